@@ -32,6 +32,71 @@
 namespace touchstone::apps {
 namespace {
 
+// Of the closed loop, an extra: its readers and writers stand in extras/loop.
+constexpr auto sheet_fields = std::to_array<FormatField>({
+    {"name", "text", "", "of the device or the grip"},
+    {"figures", "object", "", "what is known"},
+    {"figures.*", "object", "", "one figure, its name with its unit; `touchstone loop --help` lists them"},
+    {"figures.*.value", "number", "", "in the unit of the name"},
+    {"figures.*.source", "text", "", "who published or measured it"},
+    {"figures.*.read_in?", "text", "", "the text in which it was read; absent: cited from memory"},
+    {"not_published?", "object", "", "what is not"},
+    {"not_published.*", "text", "", "why there is no figure of that name"},
+});
+constexpr auto vibration_fields = std::to_array<FormatField>({
+    {"frequency_Hz", "number", "Hz", "of the largest peak"},
+    {"amplitude_N", "number", "N", "of a sine there, on the hand"},
+    {"jnd", "number", "", "just noticeable differences of the whole band"},
+    {"at_s", "number", "s", "the middle of the window"},
+});
+constexpr FormatPart vibration_part{vibration_fields};
+constexpr auto used_sheet_fields = std::to_array<FormatField>({
+    {"name", "text", "", "of the sheet"},
+    {"figures", "object", "", "what is known"},
+    {"figures.*", "object", "", "one figure"},
+    {"figures.*.value", "number", "", "in the unit of the name"},
+    {"figures.*.source", "text", "", "who published or measured it"},
+    {"figures.*.read_in", "text", "", "the text in which it was read, or empty"},
+});
+constexpr FormatPart used_sheet_part{used_sheet_fields};
+constexpr auto loop_fields = std::to_array<FormatField>({
+    {"verdict", "text", "", "`stable`, `buzzes`, `unstable` or `cannot tell`"},
+    {"sentence", "text", "", "the verdict for people"},
+    {"stable_margin", "number", "", "the force may be this many times as large and the loop stays or becomes stable"},
+    {"real_time_factor", "number", "", "simulated over elapsed time, on one core"},
+    {"runs", "list of objects", "", "one for each mass of the device that was tried"},
+    {"runs[].device_mass_kg", "number", "kg", "that mass"},
+    {"runs[].verdict", "text", "", "with it"},
+    {"runs[].buzz", "object", "", "the loop's vibration that does not die away", &vibration_part},
+    {"runs[].ringing", "object", "", "the loop's largest vibration", &vibration_part},
+    {"runs[].ideal_servo", "object", "", "what an ideal servo shakes, too", &vibration_part},
+    {"runs[].encoder", "object", "", "what the encoder's steps add to that", &vibration_part},
+    {"runs[].kick_N", "number", "N", "largest force on the hand after contact, beyond the ideal servo's"},
+    {"runs[].kick_at_s", "number", "s", "when"},
+    {"runs[].energy_J", "number", "J", "the most that the motors had given more than taken"},
+    {"runs[].judged_s", "number", "s", "time of contact that was judged"},
+    {"runs[].thrown_out", "whole number", "", "times that contact was lost and should not have been"},
+    {"runs[].limited_share", "number", "", "share of that time at the force limit"},
+    {"runs[].device_felt_N", "number", "N", "root mean square on the hand in free air"},
+    {"runs[].stable_margin", "number", "", "as above, with this mass"},
+    {"device", "object", "", "its sheet", &used_sheet_part},
+    {"grip", "object", "", "its sheet", &used_sheet_part},
+    {"assumed", "list of texts", "", "what neither the sheet nor --set gives"},
+});
+constexpr auto loop_width_fields = std::to_array<FormatField>({
+    {"device", "text", "", "its name"},
+    {"over", "text", "", "`damping`, `latency` or `period`"},
+    {"grips", "list of objects", "", "one for each hand"},
+    {"grips[].grip", "text", "", "its name"},
+    {"grips[].assumed", "list of texts", "", "what neither the sheet nor --set gives"},
+    {"grips[].points", "list of objects", "", "along the picture"},
+    {"grips[].points[].at", "number", "", "N s/m or s"},
+    {"grips[].points[].unfelt_N_per_m", "number", "N/m", "stiffest wall of which nothing is felt"},
+    {"grips[].points[].held_N_per_m", "number", "N/m", "stiffest wall that does not throw the hand off"},
+    {"grips[].points[].linear_N_per_m", "number or null", "N/m", "by the eigenvalues of the sampled loop"},
+    {"grips[].points[].passive_N_per_m", "number", "N/m", "passive with every hand"},
+});
+
 // Of the studies, the blind test and the program's own tools: their readers stand beside their writers.
 constexpr auto internal_formats = std::to_array<FileFormat>({
     {"touchstone-atlas/1", "atlas.json", "the atlas of force shading", "`atlas`", "", {}, true},
@@ -69,6 +134,8 @@ constexpr auto internal_formats = std::to_array<FileFormat>({
      {},
      true},
     {"touchstone-indentation/1", "indentation.json", "a real indentation", "`experiment indentation`", "", {}, true},
+    {"touchstone-loop-atlas/1", "result.json", "which renderer is stable where", "`loop atlas`", "", {}, true},
+    {"touchstone-loop-tune/1", "FILE of `loop tune --json`", "the stiffest walls", "`loop tune`", "", {}, true},
     {"touchstone-palpation/1", "palpation.json", "real palpations", "`experiment palpation`", "", {}, true},
     {"touchstone-paper/1",
      "FILE of `experiment paper --json`",
@@ -103,6 +170,13 @@ constexpr auto internal_formats = std::to_array<FileFormat>({
      true},
 });
 
+constexpr auto loop_formats = std::to_array<FileFormat>({
+    {"touchstone-device/1", "NAME.json", "published figures of a haptic device", "", "`loop`", sheet_fields},
+    {"touchstone-grip/1", "NAME.json", "published figures of a hand", "", "`loop`", sheet_fields},
+    {"touchstone-loop/1", "result.json", "whether a closed loop is stable", "`loop`", "", loop_fields},
+    {"touchstone-loop-width/1", "result.json", "the stiffest walls of a device", "`loop width`", "", loop_width_fields},
+});
+
 }  // namespace
 
 std::vector<const FileFormat*> file_formats() {
@@ -132,6 +206,7 @@ std::vector<const FileFormat*> file_formats() {
                                                     pipeline::tool_fitting_file_formats(),
                                                     pipeline::tool_report_file_formats(),
                                                     synthetic::file_formats(),
+                                                    std::span<const FileFormat>(loop_formats),
                                                     std::span<const FileFormat>(internal_formats)}) {
     for (const FileFormat& format : of_room) all.push_back(&format);
   }

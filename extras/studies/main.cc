@@ -3,6 +3,5 @@
 #include "commands.h"
 
 int main(int argc, char** argv) {
-  return touchstone::apps::run_extra(argc, argv,
-                                     {touchstone::studies::add_blind, touchstone::studies::add_experiment});
+  return touchstone::apps::run_extra(argc, argv, {touchstone::studies::add_blind, touchstone::studies::add_experiment});
 }

@@ -84,7 +84,7 @@ class Servo {
   };
   Answer answer(double t_s, const Vec3& tip_W_m, const Quat& q_WS) {
     const Vec3 measured_W_m = measure(tip_W_m);
-    const Vec3 v_W = velocity(t_s, measured_W_m);
+    const Vec3 v_W = velocity(t_s, own_.exact_velocity ? tip_W_m : measured_W_m);
     const rendering::StepResult result = renderer_.step({t_s, measured_W_m, q_WS});
     if (result.status == rendering::StepStatus::failed || !result.f_W_N.allFinite()) {
       const std::string why = renderer_.failure();
@@ -106,14 +106,14 @@ class Servo {
     if (own_.resolution_m <= 0.0) return tip_W_m;
     return tip_W_m.unaryExpr([this](double x) { return own_.resolution_m * std::nearbyint(x / own_.resolution_m); });
   }
-  Vec3 velocity(double t_s, const Vec3& measured_W_m) {
+  Vec3 velocity(double t_s, const Vec3& p_W_m) {
     if (last_t_s_) {
       const double dt_s = t_s - *last_t_s_;
       const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * own_.velocity_cutoff_Hz * dt_s);
-      velocity_W_ += share * ((measured_W_m - last_W_m_) / dt_s - velocity_W_);
+      velocity_W_ += share * ((p_W_m - last_W_m_) / dt_s - velocity_W_);
     }
     last_t_s_ = t_s;
-    last_W_m_ = measured_W_m;
+    last_W_m_ = p_W_m;
     return velocity_W_;
   }
 
@@ -251,9 +251,12 @@ LoopTrace run_loop(rendering::Renderer& renderer, const MotionColumns& path, con
   return Loop(renderer, path, parameters).run(keep_every);
 }
 
-LoopTrace run_ideal_loop(rendering::Renderer& renderer, const MotionColumns& path, LoopParameters parameters) {
+LoopTrace run_ideal_loop(rendering::Renderer& renderer, const MotionColumns& path, LoopParameters parameters,
+                         double resolution_m) {
   parameters.period_s /= static_cast<double>(kIdealRate);
-  parameters.latency_s = parameters.jitter_s = parameters.resolution_m = 0.0;
+  parameters.latency_s = parameters.jitter_s = 0.0;
+  parameters.resolution_m = resolution_m;
+  parameters.exact_velocity = true;
   parameters.axis.actuator_time_constant_s = 0.0;
   parameters.velocity_cutoff_Hz = std::numeric_limits<double>::infinity();
   return run_loop(renderer, path, parameters, kIdealRate);
@@ -261,7 +264,9 @@ LoopTrace run_ideal_loop(rendering::Renderer& renderer, const MotionColumns& pat
 
 LoopTrace run_open(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters) {
   check(parameters, path);
-  Servo servo(renderer, parameters);
+  LoopParameters plain;
+  plain.force_gain = parameters.force_gain;
+  Servo servo(renderer, plain);
   PathAtPeriods places(path, parameters.period_s);
   LoopTrace trace;
   for (std::size_t k = 0; k < places.periods(); ++k) {

@@ -35,8 +35,9 @@ struct LoopParameters {
   // first-order filter.
   double virtual_damping_N_s_per_m = 0.0;
   double velocity_cutoff_Hz = std::numeric_limits<double>::infinity();
-  double force_gain = 1.0;  // of the renderer's force: for a stiffness so many times as large
-  std::uint64_t seed = 1;   // of the jitter
+  bool exact_velocity = false;  // by differences of exact positions, not of measured ones
+  double force_gain = 1.0;      // of the renderer's force: for a stiffness this many times as large
+  std::uint64_t seed = 1;       // of the jitter
 };
 
 // At each sampling instant, before the new force acts. Energies since the beginning.
@@ -55,17 +56,20 @@ struct LoopTrace {
 };
 
 // Resets the renderer and runs along the path, as long as it lasts; straight between its samples. `keep_every`: only
-// every so many-th sampling instant is recorded. Throws UsageError for parameters out of range, BadData where the
+// every n-th sampling instant is recorded. Throws UsageError for parameters out of range, BadData where the
 // renderer breaks down.
 LoopTrace run_loop(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters,
                    std::size_t keep_every = 1);
 
-// The same hand and device under a servo that is `kIdealRate` times as fast, exact and without latency: what is left is
-// the renderer's own. Recorded at the instants of the other.
+// The same hand and device under a servo that is `kIdealRate` times as fast, without latency and lag, its velocity
+// exact: what is left is the renderer's own. With `resolution_m` above 0 positions are still read in such steps, and
+// what the hand feels of them as it moves is left too. Recorded at the instants of the other.
 inline constexpr std::size_t kIdealRate = 16;
-LoopTrace run_ideal_loop(rendering::Renderer& renderer, const MotionColumns& path, LoopParameters parameters);
+LoopTrace run_ideal_loop(rendering::Renderer& renderer, const MotionColumns& path, LoopParameters parameters,
+                         double resolution_m = 0.0);
 
-// The renderer over the path itself, at the servo's instants: nobody holds the device and nothing is felt.
+// The renderer alone over the path itself, at the servo's instants, as `touchstone replay` does: columns of what is
+// felt, limits and energy stay empty.
 LoopTrace run_open(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters);
 
 }  // namespace touchstone::servo

@@ -13,7 +13,6 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr double kSettling_s = 0.1;
 constexpr double kWindow_s = 0.128;
 constexpr double kSustained = 0.9;  // of the amplitude, a window later: dies away no faster than in 1.2 s
 constexpr double kOnset_s = 0.064;  // as harness/perception takes it for the burst after contact
@@ -82,23 +81,33 @@ Vibration peak_of(const std::vector<double>& power, double step_Hz) {
 }
 
 struct Window {
-  Vibration beyond, own;
+  Vibration loops, encoders, own;
 };
 
+// What `all` has more than `some`, bin by bin.
+std::vector<double> beyond(std::vector<double> all, const std::vector<double>& some) {
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = std::max(0.0, all[k] - some[k]);
+  return all;
+}
+
 // Forces are those on the hand.
-Window judge_window(const LoopTrace& run, const LoopTrace& ideal, const Stretch& part, double rate_Hz,
+Window judge_window(const LoopRuns& runs, const Stretch& part, double rate_Hz,
                     const perception::Thresholds& thresholds) {
   double step_Hz = 0.0;
-  std::vector<double> all = powers(run.felt_W_N, part, rate_Hz, step_Hz);
-  const std::vector<double> own = powers(ideal.felt_W_N, part, rate_Hz, step_Hz);
   const perception::VibrationScale scale(thresholds);
-  const double own_jnd = scale.from_nothing(over_threshold(own, step_Hz, thresholds));
-  const double all_jnd = scale.from_nothing(over_threshold(all, step_Hz, thresholds));
-  for (std::size_t k = 0; k < all.size(); ++k) all[k] = std::max(0.0, all[k] - own[k]);
-  Window out{peak_of(all, step_Hz), peak_of(own, step_Hz)};
-  out.beyond.jnd = std::max(0.0, all_jnd - own_jnd);
+  const auto felt_jnd = [&](const std::vector<double>& power) {
+    return scale.from_nothing(over_threshold(power, step_Hz, thresholds));
+  };
+  const std::vector<double> all = powers(runs.run.felt_W_N, part, rate_Hz, step_Hz);
+  const std::vector<double> own = powers(runs.ideal.felt_W_N, part, rate_Hz, step_Hz);
+  const std::vector<double> stepped =
+      runs.stepped.size() == 0 ? own : powers(runs.stepped.felt_W_N, part, rate_Hz, step_Hz);
+  Window out{peak_of(beyond(all, own), step_Hz), peak_of(beyond(stepped, own), step_Hz), peak_of(own, step_Hz)};
+  const double own_jnd = felt_jnd(own), stepped_jnd = felt_jnd(stepped);
   out.own.jnd = own_jnd;
-  out.beyond.at_s = out.own.at_s = 0.5 * (run.t_s[part.begin] + run.t_s[part.end - 1]);
+  out.encoders.jnd = std::max(0.0, stepped_jnd - own_jnd);
+  out.loops.jnd = std::max(0.0, felt_jnd(all) - std::max(own_jnd, stepped_jnd));
+  out.loops.at_s = out.encoders.at_s = out.own.at_s = 0.5 * (runs.run.t_s[part.begin] + runs.run.t_s[part.end - 1]);
   return out;
 }
 
@@ -106,16 +115,17 @@ void keep_worse(Vibration& worst, const Vibration& found) {
   if (found.jnd > worst.jnd) worst = found;
 }
 
-void judge_stretch(const LoopTrace& run, const LoopTrace& ideal, const Stretch& part, std::size_t length,
-                   double rate_Hz, const perception::Thresholds& thresholds, Judgement& out) {
+void judge_stretch(const LoopRuns& runs, const Stretch& part, std::size_t length, double rate_Hz,
+                   const perception::Thresholds& thresholds, Judgement& out) {
   std::vector<Window> windows;  // each begins in the middle of the one before
   for (std::size_t begin = part.begin; begin + length <= part.end; begin += length / 2)
-    windows.push_back(judge_window(run, ideal, {begin, begin + length}, rate_Hz, thresholds));
+    windows.push_back(judge_window(runs, {begin, begin + length}, rate_Hz, thresholds));
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    keep_worse(out.ringing, windows[i].beyond);
+    keep_worse(out.ringing, windows[i].loops);
+    keep_worse(out.encoder, windows[i].encoders);
     keep_worse(out.own, windows[i].own);
     if (i + 2 >= windows.size()) continue;
-    const Vibration &now = windows[i].beyond, &later = windows[i + 2].beyond;
+    const Vibration &now = windows[i].loops, &later = windows[i + 2].loops;
     if (later.amplitude_N >= kSustained * now.amplitude_N) keep_worse(out.buzz, now.jnd < later.jnd ? now : later);
   }
 }
@@ -171,13 +181,21 @@ std::string_view name_of(Verdict verdict) {
   return "";
 }
 
-Judgement judge(const LoopTrace& run, const LoopTrace& ideal, const perception::Thresholds& thresholds) {
+LoopRuns run_for_judgement(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters) {
+  LoopRuns out{run_loop(renderer, path, parameters), run_ideal_loop(renderer, path, parameters), {}};
+  if (parameters.resolution_m > 0.0) out.stepped = run_ideal_loop(renderer, path, parameters, parameters.resolution_m);
+  return out;
+}
+
+Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, double settling_s) {
+  const LoopTrace &run = runs.run, &ideal = runs.ideal;
   Judgement out;
-  const std::size_t size = std::min(run.size(), ideal.size());
+  std::size_t size = std::min(run.size(), ideal.size());
+  if (runs.stepped.size() > 0) size = std::min(size, runs.stepped.size());
   if (size < 2) return out;
   const double rate_Hz = static_cast<double>(run.size() - 1) / (run.t_s.back() - run.t_s.front());
   const auto samples = [rate_Hz](double time_s) { return static_cast<std::size_t>(std::lround(time_s * rate_Hz)); };
-  const std::size_t settling = samples(kSettling_s), length = samples(kWindow_s), onset = samples(kOnset_s);
+  const std::size_t settling = samples(settling_s), length = samples(kWindow_s), onset = samples(kOnset_s);
 
   std::size_t judged = 0, limited = 0;
   Lost lost;
@@ -193,11 +211,11 @@ Judgement judge(const LoopTrace& run, const LoopTrace& ideal, const perception::
     if (contact.end - contact.begin < settling + 2 * length) continue;
     const Stretch part{contact.begin + settling, contact.end};
     judged += part.end - part.begin;
-    const Lost here = lost_contact(run, part);
+    const Lost here = lost_contact(run, {part.begin + (part.end - part.begin) / 2, part.end});
     lost.times += here.times;
     lost.samples += here.samples;
     for (std::size_t i = part.begin; i < part.end; ++i) limited += run.limited[i];
-    judge_stretch(run, ideal, part, length, rate_Hz, thresholds, out);
+    judge_stretch(runs, part, length, rate_Hz, thresholds, out);
   }
   out.energy_J = std::max(0.0, *std::ranges::max_element(run.by_actuator_J));
   out.device_felt_N = felt_in_air_N(run, size);
@@ -205,7 +223,7 @@ Judgement judge(const LoopTrace& run, const LoopTrace& ideal, const perception::
   out.judged_s = static_cast<double>(judged) / rate_Hz;
   if (judged > 0) out.limited_share = static_cast<double>(limited) / static_cast<double>(judged);
   const bool thrown = lost.times >= kTimesThrownOut &&
-                      static_cast<double>(lost.samples) >= kShareThrownOut * static_cast<double>(judged);
+                      2.0 * static_cast<double>(lost.samples) >= kShareThrownOut * static_cast<double>(judged);
   if (run.left_at_s && !ideal.left_at_s) {
     out.verdict = Verdict::unstable;
   } else if (judged == 0) {
@@ -223,6 +241,12 @@ std::string sentence(const Judgement& judgement) {
                                             judgement.buzz.amplitude_N, judgement.buzz.jnd);
   switch (judgement.verdict) {
     case Verdict::stable:
+      if (judgement.encoder.jnd >= 1.0) {
+        return fmt::format(
+            "Stable. The encoder is felt: its steps shake the hand with up to {:.3g} N ({:.2g} JND) as it "
+            "moves.",
+            judgement.encoder.amplitude_N, judgement.encoder.jnd);
+      }
       return fmt::format("Stable: the largest vibration that stays is {:.3g} N, {:.2g} JND, which is not felt.",
                          judgement.buzz.amplitude_N, judgement.buzz.jnd);
     case Verdict::buzzes:

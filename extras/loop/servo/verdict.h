@@ -1,13 +1,16 @@
-// Whether a loop is stable, buzzes or throws the hand off, from a run and the run of the same hand and device on an
-// ideal servo (servo_loop.h): what the ideal run does too belongs to the renderer, what is beyond it to the loop.
+// Whether a loop is stable, buzzes or throws the hand off, from a run and from runs of the same hand and device on an
+// ideal servo (servo_loop.h): what the ideal run shakes too is the renderer's own; what it shakes besides if it reads
+// positions in the encoder's steps is the encoder's; what is beyond both is the loop's.
 //
-// Judged in each stretch of at least 0.36 s in which the ideal run stays in contact, from 0.1 s after its beginning on,
+// Judged in each stretch of contact of the ideal run, from 0.1 s after its beginning on, if at least 0.256 s are left,
 // in windows of 0.128 s:
-// - buzz: the vibration that the hand feels beyond the ideal run's, 20 to 1000 Hz, as far as it does not die away: it
-//   is there in a window and, at nine tenths of its amplitude or more, in the next one too. The worst counts, in just
-//   noticeable differences on the scale of harness/perception (vibration_scale.h), which masks it by what the ideal run
-//   shakes already. What dies away is ringing.
-// - unstable: the tip is thrown out of contact again and again, or leaves the workspace.
+// - buzz: the vibration of 20 to 1000 Hz that the hand feels of the loop, as far as it does not die away: it is there
+// in
+//   a window and, at nine tenths of its amplitude or more, in the next one too. The worst counts, in just noticeable
+//   differences on the scale of harness/perception (vibration_scale.h), which masks it by what shakes already. What
+//   dies away is ringing.
+// - unstable: the tip is still thrown out of contact again and again in the second half of the stretch, or leaves the
+//   workspace.
 // - kick: the largest force on the hand within 64 ms of a contact's beginning, beyond the largest of the ideal run.
 #pragma once
 
@@ -32,8 +35,9 @@ struct Vibration {
 
 struct Judgement {
   Verdict verdict = Verdict::cannot_tell;
-  Vibration buzz;     // beyond the ideal run's, and does not die away
-  Vibration ringing;  // beyond the ideal run's, whether or not it dies away
+  Vibration buzz;     // the loop's, and does not die away
+  Vibration ringing;  // the loop's, whether or not it dies away
+  Vibration encoder;  // of the encoder's steps as the hand goes over them
   Vibration own;      // of the ideal run, against none
   double kick_N = 0.0;
   double kick_at_s = 0.0;
@@ -44,7 +48,14 @@ struct Judgement {
   double device_felt_N = 0.0;  // root mean square on the hand in free air: what is felt of the device itself
 };
 
-Judgement judge(const LoopTrace& run, const LoopTrace& ideal, const perception::Thresholds& thresholds);
+struct LoopRuns {
+  LoopTrace run, ideal;
+  LoopTrace stepped;  // ideal but for the encoder's steps; empty if the device reads exact positions
+};
+LoopRuns run_for_judgement(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters);
+
+inline constexpr double kSettling_s = 0.1;
+Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, double settling_s = kSettling_s);
 
 // In a sentence, for people: "Buzzes at 143 Hz with 0.21 N (9.4 JND)."
 std::string sentence(const Judgement& judgement);

@@ -34,9 +34,7 @@ LoopParameters grip(double mass_kg, double damping, double stiffness) {
 }
 
 Judgement judged(rendering::Renderer& renderer, const LoopParameters& own) {
-  const MotionColumns path = press(own);
-  const LoopTrace run = run_loop(renderer, path, own), ideal = run_ideal_loop(renderer, path, own);
-  return judge(run, ideal, {});
+  return judge(run_for_judgement(renderer, press(own), own), {});
 }
 
 TEST(Verdict, ChangesWhereTheLinearLoopTurnsUnstable) {
@@ -56,8 +54,9 @@ TEST(Verdict, StepsOfTheEncoderBuzzWithTheAmplitudeAndFrequencyThatIsThere) {
   LoopParameters own = grip(0.02, 4.0, 300.0);
   own.resolution_m = 1e-4;
   FlatWall wall(0.5 * critical_gain(own)->stiffness_N_per_m);
-  const LoopTrace run = run_loop(wall, press(own), own), ideal = run_ideal_loop(wall, press(own), own);
-  const Judgement found = judge(run, ideal, {});
+  const LoopRuns runs = run_for_judgement(wall, press(own), own);
+  const LoopTrace& run = runs.run;
+  const Judgement found = judge(runs, {});
   EXPECT_EQ(found.verdict, Verdict::buzzes) << sentence(found);
   EXPECT_NEAR(found.buzz.frequency_Hz, frequency_Hz(run), 2.0);
   // A sine fitted to the force on the hand there.
@@ -98,7 +97,7 @@ TEST(Verdict, WithoutContactItCannotTell) {
   FlatWall wall(500.0);
   const LoopParameters own = grip(0.1, 4.0, 300.0);
   const MotionColumns above{{0.0, 1.0}, {Vec3(0, 0, 0.01), Vec3(0.01, 0, 0.01)}, {}};
-  const Judgement found = judge(run_loop(wall, above, own), run_ideal_loop(wall, above, own), {});
+  const Judgement found = judge(run_for_judgement(wall, above, own), {});
   EXPECT_EQ(found.verdict, Verdict::cannot_tell);
 }
 
