@@ -7,6 +7,7 @@
 #include <cmath>
 #include <deque>
 #include <numbers>
+#include <utility>
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
@@ -14,6 +15,8 @@
 namespace touchstone::servo {
 namespace {
 
+constexpr double kFastestInAPeriod = 1e6;
+constexpr double kMostPeriods = 1e7;         // what fits in memory
 constexpr double kBeyondWorkspace_m = 10.0;  // from where the hand means to be; devices reach 0.2 m
 
 // Times in quanta of a period.
@@ -22,23 +25,43 @@ std::int64_t quanta_of(double time_s, double period_s) {
 }
 
 void check(const LoopParameters& own, const MotionColumns& path) {
-  const auto refuse = [](const char* name, double value, const char* expected) {
-    throw UsageError(fmt::format("{} is {}: {} was expected", name, value, expected));
+  const auto refuse_unless = [](bool right, const char* name, double value, const char* expected) {
+    if (!right || !std::isfinite(value)) {
+      throw UsageError(fmt::format("{} is {}: {} was expected", name, value, expected));
+    }
   };
   if (path.size() < 2) throw UsageError("the path has fewer than two samples");
-  if (!(own.axis.mass_kg > 0.0)) refuse("mass_kg", own.axis.mass_kg, "above 0");
-  if (!(own.hand_mass_kg >= 0.0) || own.hand_mass_kg > own.axis.mass_kg) {
-    refuse("the hand's mass_kg", own.hand_mass_kg, "0 or more, and no more than the whole");
+  refuse_unless(own.axis.mass_kg > 0.0, "mass_kg", own.axis.mass_kg, "above 0");
+  refuse_unless(own.hand_mass_kg >= 0.0 && own.hand_mass_kg <= own.axis.mass_kg, "the hand's mass_kg", own.hand_mass_kg,
+                "0 or more, and no more than the whole");
+  refuse_unless(own.period_s > 0.0, "period_s", own.period_s, "above 0");
+  refuse_unless(own.latency_s >= 0.0 && own.latency_s <= 100.0 * own.period_s, "latency_s", own.latency_s,
+                "0 to 100 periods");
+  refuse_unless(own.jitter_s >= 0.0 && own.jitter_s < own.period_s, "jitter_s", own.jitter_s, "0 to below one period");
+  for (const auto& [name, value] : {std::pair{"resolution_m", own.resolution_m},
+                                    {"damping_N_s_per_m", own.axis.damping_N_s_per_m},
+                                    {"friction_N", own.axis.friction_N},
+                                    {"hand_damping_N_s_per_m", own.axis.hand_damping_N_s_per_m},
+                                    {"hand_stiffness_N_per_m", own.axis.hand_stiffness_N_per_m},
+                                    {"the actuator's time constant", own.axis.actuator_time_constant_s},
+                                    {"virtual_damping_N_s_per_m", own.virtual_damping_N_s_per_m}}) {
+    refuse_unless(value >= 0.0, name, value, "0 or more");
   }
-  if (!(own.period_s > 0.0)) refuse("period_s", own.period_s, "above 0");
-  if (!(own.latency_s >= 0.0) || own.latency_s > 100.0 * own.period_s) {
-    refuse("latency_s", own.latency_s, "0 to 100 periods");
+  // One quantum of time must be short beside whatever the equations do.
+  const double lag_s = own.axis.actuator_time_constant_s;
+  const double fastest_per_s =
+      std::max({(own.axis.damping_N_s_per_m + own.axis.hand_damping_N_s_per_m) / own.axis.mass_kg,
+                std::sqrt(own.axis.hand_stiffness_N_per_m / own.axis.mass_kg), lag_s > 0.0 ? 1.0 / lag_s : 0.0});
+  if (!(fastest_per_s * own.period_s <= kFastestInAPeriod)) {
+    throw UsageError(
+        fmt::format("hand and device are as fast as {:.3g} times in a period: at most {:.0g} was expected; "
+                    "more mass, or less damping, stiffness or bandwidth",
+                    fastest_per_s * own.period_s, kFastestInAPeriod));
   }
-  if (!(own.jitter_s >= 0.0) || own.jitter_s >= own.period_s) refuse("jitter_s", own.jitter_s, "0 to below one period");
-  if (!(own.resolution_m >= 0.0)) refuse("resolution_m", own.resolution_m, "0 or more");
-  for (const double value : {own.axis.damping_N_s_per_m, own.axis.friction_N, own.axis.hand_damping_N_s_per_m,
-                             own.axis.hand_stiffness_N_per_m, own.axis.actuator_time_constant_s}) {
-    if (!(value >= 0.0) || !std::isfinite(value)) refuse("a figure of hand or device", value, "0 or more");
+  const double periods = (path.t_s.back() - path.t_s.front()) / own.period_s;
+  if (!(periods <= kMostPeriods)) {
+    throw UsageError(fmt::format("the path lasts {} s, which is {:.3g} periods of {} s: at most {:.0g} was expected",
+                                 path.t_s.back() - path.t_s.front(), periods, own.period_s, kMostPeriods));
   }
 }
 

@@ -152,6 +152,8 @@ TEST(ServoLoop, RefusesWhatMakesNoSense) {
   refused([](LoopParameters& own) { own.latency_s = -1e-3; });
   refused([](LoopParameters& own) { own.resolution_m = std::nan(""); });
   refused([](LoopParameters& own) { own.axis.friction_N = std::nan(""); });
+  refused([](LoopParameters& own) { own.axis.mass_kg = std::numeric_limits<double>::infinity(); });
+  refused([](LoopParameters& own) { own.period_s = 1e-12, own.jitter_s = own.latency_s = 0.0; });
   EXPECT_THROW(run_loop(wall, MotionColumns{}, all_effects()), UsageError);
 }
 

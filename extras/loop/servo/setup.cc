@@ -36,7 +36,11 @@ void check_names(const Values& set) {
   for (const auto& [name, value] : set) {
     if (std::ranges::find(known, name) == known.end())
       throw UsageError("--set: " + unknown_name("figure", name, known));
-    if (!(value >= 0.0)) throw UsageError(fmt::format("--set {}={}: 0 or more was expected", name, value));
+    const bool above_zero = std::ranges::any_of(
+        device_entries(), [&name](const FigureEntry& entry) { return entry.name == name && entry.above_zero; });
+    if (!(above_zero ? value > 0.0 : value >= 0.0)) {
+      throw UsageError(fmt::format("--set {}={}: {} was expected", name, value, above_zero ? "above 0" : "0 or more"));
+    }
   }
 }
 
