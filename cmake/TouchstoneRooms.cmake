@@ -189,7 +189,7 @@ function(touchstone_add_room name)
 endfunction()
 
 # Which tests run at night alone: the first column of the table in docs/explanation/testing.md, as one regular expression, in
-# TOUCHSTONE_BY_NIGHT and, for what ctest reads when it runs, in a file.
+# TOUCHSTONE_BY_NIGHT and, for what ctest reads when it runs, in a file. Their labels: nightly and by_turns (.ci/run).
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/explanation/testing.md)
 file(STRINGS ${PROJECT_SOURCE_DIR}/docs/explanation/testing.md TOUCHSTONE_BY_NIGHT REGEX "^. `\\^")
 list(TRANSFORM TOUCHSTONE_BY_NIGHT REPLACE "^. `([^`]*)`.*" "\\1")
@@ -280,7 +280,7 @@ include("@PROJECT_BINARY_DIR@/by_night.cmake")
 foreach(test IN LISTS @list@)
   set(labels "@ARG_LABELS@")
   if(test MATCHES "${by_night}")
-    list(APPEND labels nightly)
+    list(APPEND labels nightly by_turns)
   endif()
   set_tests_properties("${test}" PROPERTIES LABELS "${labels}" ENVIRONMENT "@environment@")
 endforeach()
