@@ -1,5 +1,5 @@
-// Real transforms by Eigen's FFT (kissfft), for lengths with a large prime by Bluestein's convolution: no code under the GPL,
-// and every run and machine rounds alike. Safe to call from several threads.
+// Real transforms by Eigen's FFT (kissfft), for lengths with a large prime by Bluestein's convolution: no code under
+// the GPL, and every run and machine rounds alike. Safe to call from several threads.
 #pragma once
 
 #include <complex>
