@@ -1,10 +1,10 @@
-#include "synthetic/blind/weaken.h"
+#include "hidden_physics/weaken.h"
 
 #include <cmath>
 #include <set>
 #include <string>
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 namespace {
 
 const std::set<std::string> sizes{"mu_static",
@@ -69,4 +69,4 @@ void weaken(BlindCase& plan, double strength) {
   }
 }
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

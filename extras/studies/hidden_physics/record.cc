@@ -6,9 +6,9 @@
 #include <functional>
 #include <numbers>
 
-#include "synthetic/blind/blind_case.h"
+#include "hidden_physics/blind_case.h"
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 using recording::Recording;
 
 namespace {
@@ -274,4 +274,4 @@ Recording record_along(const BlindCase& plan, const MotionColumns& motion, std::
   return measure(plan, lead_along(plan, motion), t_s, turn, root);
 }
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "harness/recording/trajectory.h"
-#include "synthetic/blind/hand_script.h"
-#include "synthetic/blind/hidden_physics.h"
+#include "hidden_physics/hand_script.h"
+#include "hidden_physics/hidden_physics.h"
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 
 // What shakes the sensor above the band of a hand: mains hum, a mount that rings, a buzz that sliding makes. SI units,
 // sensor's frame; amplitudes of zero switch each part off.
@@ -97,4 +97,4 @@ recording::Recording record(const BlindCase& plan, bool holdout);
 // for the recording that a search asks for. `repetition`: the motion is the same, the noise is not.
 recording::Recording record_along(const BlindCase& plan, const MotionColumns& motion, std::uint64_t repetition);
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

@@ -1,10 +1,10 @@
-#include "synthetic/blind/hidden_physics.h"
+#include "hidden_physics/hidden_physics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 
 Vec3 OutsidePhysics::zero_N(double t_s) const {
   const double warm = std::max(0.0, t_s) / warming_s;
@@ -188,4 +188,4 @@ HiddenContact::Forces HiddenContact::step(double t_s, double dt_s, const Vec3& t
   return forces;
 }
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

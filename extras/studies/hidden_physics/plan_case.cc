@@ -7,10 +7,10 @@
 #include <string_view>
 
 #include "harness/base/error.h"
-#include "synthetic/blind/blind_case.h"
-#include "synthetic/blind/hide_effect.h"
+#include "hidden_physics/blind_case.h"
+#include "hidden_physics/hide_effect.h"
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 namespace {
 
 const std::vector<std::string> sets{"one",     "one-noisy",   "two",       "three",     "none",
@@ -354,4 +354,4 @@ BlindCase plan_case(const std::string& set, std::size_t index, std::uint64_t see
   return plan;
 }
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

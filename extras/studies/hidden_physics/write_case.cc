@@ -1,4 +1,4 @@
-#include "synthetic/blind/write_case.h"
+#include "hidden_physics/write_case.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "harness/recording/recording_file.h"
 #include "harness/surface/mesh_file.h"
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 namespace {
 
 using json = nlohmann::ordered_json;
@@ -71,4 +71,4 @@ std::string answers_to_json(const std::vector<BlindCase>& plans, std::uint64_t s
   return root.dump(1) + "\n";
 }
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

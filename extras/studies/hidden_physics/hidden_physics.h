@@ -6,9 +6,9 @@
 
 #include <vector>
 
-#include "synthetic/blind/true_surface.h"
+#include "hidden_physics/true_surface.h"
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 
 // Effects for which a law is to be found: neither the effects of a library nor the terms of a law's have these forms.
 // Zero switches each part off.
@@ -131,4 +131,4 @@ class HiddenContact {
   std::vector<double> dents_m_;
 };
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

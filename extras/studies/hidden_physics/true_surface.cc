@@ -1,9 +1,9 @@
-#include "synthetic/blind/true_surface.h"
+#include "hidden_physics/true_surface.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 
 TrueSurface::Jet TrueSurface::at(const Vec2& xy) const {
   Jet jet{0.5 * curvature_per_m.dot(xy.cwiseAbs2()), curvature_per_m.cwiseProduct(xy),
@@ -132,4 +132,4 @@ double TrueSurface::deviation_m(const TrueSurface& meshed, std::size_t cells) co
   return largest;
 }
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "harness/base/random.h"
-#include "synthetic/blind/true_surface.h"
+#include "hidden_physics/true_surface.h"
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 
 enum class ScriptStyle {
   varied,           // everything that tells effects apart
@@ -55,4 +55,4 @@ class HandScript {
   std::vector<Vec3> turn_phase_;
 };
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

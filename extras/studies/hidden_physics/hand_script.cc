@@ -1,10 +1,10 @@
-#include "synthetic/blind/hand_script.h"
+#include "hidden_physics/hand_script.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 namespace {
 
 double smooth_step(double x) {
@@ -130,4 +130,4 @@ Quat HandScript::turn(double t_s) const {
               Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()));
 }
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

@@ -8,7 +8,7 @@
 
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 
 using Vec2 = Eigen::Vector2d;
 
@@ -51,4 +51,4 @@ class TrueSurface {
   [[nodiscard]] double deviation_m(const TrueSurface& meshed, std::size_t cells) const;
 };
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

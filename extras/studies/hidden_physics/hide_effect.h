@@ -5,9 +5,9 @@
 #include <string>
 
 #include "harness/base/random.h"
-#include "synthetic/blind/blind_case.h"
+#include "hidden_physics/blind_case.h"
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 
 // What is usual in a case: every hidden effect takes its magnitude from these.
 struct CaseSizes {
@@ -24,4 +24,4 @@ struct CaseSizes {
 std::optional<TrueSurface::Bump> hide_effect(BlindCase& plan, const CaseSizes& sizes, Random& random,
                                              const std::string& name);
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

@@ -1,4 +1,4 @@
-#include "synthetic/blind/hide_effect.h"
+#include "hidden_physics/hide_effect.h"
 
 #include <cmath>
 #include <functional>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 namespace {
 
 class Hider {
@@ -256,4 +256,4 @@ std::optional<TrueSurface::Bump> hide_effect(BlindCase& plan, const CaseSizes& s
   return hider.bump();
 }
 
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics

@@ -1,6 +1,6 @@
 // The maker of blind cases against exact answers: its surface's closest point, its laws at rest and in steady motion,
 // its instrument's noise, and that a seed makes a case.
-#include "synthetic/blind/blind_case.h"
+#include "hidden_physics/blind_case.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,10 +12,10 @@
 #include "harness/base/error.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/testing/steps.h"
-#include "synthetic/blind/weaken.h"
-#include "synthetic/blind/write_case.h"
+#include "hidden_physics/weaken.h"
+#include "hidden_physics/write_case.h"
 
-namespace touchstone::synthetic {
+namespace touchstone::hidden_physics {
 using recording::Recording;
 
 namespace {
@@ -222,4 +222,4 @@ TEST(BlindCase, AWeakenedEffectIsSmallerInTheRecordingAndInTheAnswer) {
 }
 
 }  // namespace
-}  // namespace touchstone::synthetic
+}  // namespace touchstone::hidden_physics
