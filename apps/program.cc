@@ -6,12 +6,15 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <system_error>
 
 #include "apps/extras.h"
+#include "harness/base/bundled_files.h"
 #include "harness/base/half_files.h"
 #include "harness/base/input_files.h"
 #include "harness/base/known_names.h"
@@ -40,8 +43,12 @@ const CLI::App* named_command(const CLI::App& program, int argc, char** argv) {
     auto names = names_of_commands(*app);
     if (names.empty()) break;
     if (std::ranges::find(names, argv[i]) == names.end()) {
+      // `touchstone tool atlas` may be touchstone-tool-atlas.
+      const std::string name = i == 1 ? argv[1] : fmt::format("{}-{}", argv[1], argv[2]);
+      if (i <= 2) {
+        if (const auto extra = find_extra(name)) become_extra(*extra, argv + i + 1);
+      }
       if (i == 1) {
-        if (const auto extra = find_extra(argv[i])) become_extra(*extra, argv + 2);
         for (const Extra& extra : find_extras(names)) names.push_back(extra.name);
       }
       throw UsageError(unknown_name("command", argv[i], names));
@@ -168,6 +175,19 @@ int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) 
     fmt::print(stderr, "touchstone: internal error, please report it: {}\n", error.what());
     return 70;
   }
+}
+
+int run_extra(int argc, char** argv, const std::vector<AddCommand>& commands) {
+  const char* const started_by = std::getenv("TOUCHSTONE_PROGRAM");
+  std::error_code error;
+  const std::filesystem::path beside =
+      std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "touchstone";
+  search_bundled_above(started_by != nullptr ? std::filesystem::path(started_by) : beside);
+  std::string called = std::filesystem::path(argc > 0 ? argv[0] : "").filename().string();
+  std::vector<char*> words(argv, argv + argc);
+  if (called.starts_with("touchstone-")) words.insert(words.begin() + 1, called.data() + called.find('-') + 1);
+  words.push_back(nullptr);
+  return run_program(static_cast<int>(words.size()) - 1, words.data(), commands);
 }
 
 }  // namespace touchstone::apps

@@ -15,7 +15,6 @@
 #include "blind/blind_follow.h"
 #include "blind/blind_score.h"
 #include "blind/blind_table.h"
-#include "commands.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"
@@ -25,6 +24,7 @@
 #include "hidden_physics/weaken.h"
 #include "hidden_physics/write_case.h"
 #include "renderers/catalogue.h"
+#include "study_commands.h"
 
 namespace touchstone::studies {
 namespace {

@@ -102,11 +102,13 @@ std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContex
 
 std::optional<SanityFinding> far_away(const Recording& r, const SanityContext& context, double touching_N) {
   std::vector<Vec3> touching;
+  std::vector<double> loads_N;
   for (std::size_t i = 0; i < r.size(); ++i) {
-    if (r.f_W_N[i].norm() > touching_N) touching.push_back(r.motion.p_W_m[i]);
+    if (!(r.f_W_N[i].norm() > touching_N)) continue;
+    touching.push_back(r.motion.p_W_m[i]), loads_N.push_back(r.f_W_N[i].norm());
   }
   const auto message = rendering::far_from_surface(*context.surface, touching.empty() ? r.motion.p_W_m : touching,
-                                                   context.tip_radius_m, r.source, context.mesh_unit);
+                                                   loads_N, context.tip_radius_m, r.source, context.mesh_unit);
   if (!message) return std::nullopt;
   return SanityFinding{SanityWeight::fault, SanityFault::mesh_unit_or_place, *message, ""};
 }

@@ -88,11 +88,13 @@ std::vector<Vec3> touching_tips(const EvaluationRequest& request, const Recordin
   return touching;
 }
 
+// Of a recording with forces the gate of every command does it, in refuse_faults().
 void refuse_far(const EvaluationRequest& request, EvaluationInputs& inputs) {
-  const std::vector<Vec3> touching = touching_tips(request, inputs.survey);
   const auto message =
-      rendering::far_from_surface(*inputs.surface, touching.empty() ? inputs.survey.some_tips_W_m : touching,
-                                  inputs.tip_radius_m, request.recording.string(), request.mesh_unit);
+      inputs.survey.has_force
+          ? std::nullopt
+          : rendering::far_from_surface(*inputs.surface, inputs.survey.some_tips_W_m, {}, inputs.tip_radius_m,
+                                        request.recording.string(), request.mesh_unit);
   if (message) throw BadData(*message);
   // The recording touches the surface, but their sizes hardly fit: worth a word.
   const auto mismatch = recording::check_extents(inputs.survey.tips_W_m, inputs.mesh.bounds(), request.mesh_unit);
