@@ -19,7 +19,7 @@ namespace {
 
 struct PerceiveOptions {
   PerceiveRequest request;
-  std::string out, method = "judge";
+  std::string out, method = "judge", in_trajectory;
   std::vector<std::string> conditions, models;
   PluginFlags plugins;
 };
@@ -58,6 +58,7 @@ ExitStatus perceive_command(const PerceiveOptions& options) {
   ensure_writable_folder(options.out);
   PerceiveRequest request = options.request;
   request.command_line = command_line();
+  request.in_trajectory = recording::find_in_trajectory(options.in_trajectory);
   for (const auto& text : options.conditions) {
     const auto [name, file] = named_file("--condition", text);
     request.conditions.push_back({name, file});
@@ -116,6 +117,12 @@ void add_perceive(CLI::App& program, Run& run) {
       ->add_option("--mesh-unit", options->request.mesh_unit,
                    "Unit of the mesh's coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--in-trajectory", options->in_trajectory,
+          "What models are fed: measured, synthesize (equation 2, from the normal force) or whole-force; not given: "
+          "measured, and where the real tip stays on the surface, as of a rigid object, as evaluate chooses")
+      ->check(CLI::IsMember({"measured", "synthesize", "whole-force"}));
   command->add_option(
       "--repeat", options->request.repeats,
       "Another recording of the real process: how much they differ is the noise floor; repeat for more");

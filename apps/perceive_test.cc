@@ -70,6 +70,50 @@ TEST_F(Program, PerceiveByThePaperRanksRecordingsModelsAndAnswers) {
   EXPECT_THAT(read_file(folder_ / "perceived/report.html"), HasSubstr("Where statistics disagree"));
 }
 
+// A tip that slides over a rigid plate never goes into it: along the path as measured every model is without force.
+TEST_F(Program, PerceiveFeedsModelsTheForceWhereTheObjectIsRigid) {
+  constexpr double mu = 0.7;
+  std::string text = "t_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N\n";
+  for (int n = 0; n < 5000; ++n) {
+    const double phase = 2.0 * std::numbers::pi * n / 1000.0, press = std::max(0.0, std::sin(phase));
+    text += fmt::format("{:.3f},{:.6f},0,{:.6f},{:.6f},0,{:.6f}\n", 0.001 * n, 0.02 * n,
+                        std::max(0.0, -5.0 * std::sin(phase)), -mu * 1.5 * press, 1.5 * press);
+  }
+  write_file(folder_ / "slide.csv", text);
+  write_file(folder_ / "plate.obj", "v -200 -200 0\nv 200 -200 0\nv 200 200 0\nv -200 200 0\nf 1 2 3\nf 1 3 4\n");
+  const auto model = [&](const std::string& name, double friction) {
+    write_file(folder_ / name, fmt::format(R"({{"schema":"touchstone-model/1","renderer":"friction-cone","parameters":)"
+                                           R"({{"stiffness_N_per_m":600,"mu_static":{0},"mu_dynamic":{0}}}}})",
+                                           friction));
+  };
+  model("right.json", mu);
+  model("slippery.json", 0.05);
+  const std::string command =
+      "perceive --real slide.csv --mesh plate.obj --mesh-unit mm --model right=right.json --model "
+      "slippery=slippery.json "
+      "--out perceived ";
+  const auto noticed = [&](const std::string& options) {
+    const auto outcome = run(command + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    std::map<std::string, std::string> verdicts;
+    const nlohmann::json json = perceived();
+    for (const auto& condition : json["conditions"])
+      verdicts[condition.at("name").get<std::string>()] = condition.at("verdict").get<std::string>();
+    return std::pair(verdicts, outcome.err);
+  };
+  const auto [usual, said] = noticed("");
+  EXPECT_NE(usual.at("right"), "noticed") << said;
+  EXPECT_EQ(usual.at("slippery"), "noticed") << said;
+  EXPECT_THAT(said, HasSubstr("in-trajectory: whole-force"));
+  EXPECT_EQ(noticed("--in-trajectory measured").first.at("right"), "noticed") << "next to no force";
+  // An object that gives way is judged along the path as measured.
+  press_from_the_air("soft.csv", 500);
+  const auto soft =
+      run("perceive --real soft.csv --mesh plate.obj --mesh-unit mm --model right=right.json --out perceived");
+  EXPECT_EQ(soft.status, 0) << soft.err;
+  EXPECT_EQ(soft.err.find("in-trajectory"), std::string::npos) << soft.err;
+}
+
 TEST_F(Program, PerceiveSaysHowLikelyAPersonNoticesAndByWhat) {
   press_from_the_air("real.csv", 500);
   press_from_the_air("again.csv", 500, 0.0, 8.0);

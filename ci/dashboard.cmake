@@ -1,11 +1,13 @@
 # One dashboard run: update, configure, build, test, coverage, memory check, upload; then the submission.
 #   ctest -S ci/dashboard.cmake,Experimental      (or Continuous, Nightly, HIL)
+# Installed it stands in share/touchstone/dashboard, for any project: at its top
+#   ctest -S PREFIX/share/touchstone/dashboard/dashboard.cmake,Experimental
 # Settings, from the environment:
 #   TOUCHSTONE_CDASH_URL, TOUCHSTONE_CDASH_PROJECT        the server (CTestConfig.cmake); without a URL results are kept only
 #   TOUCHSTONE_CDASH_TOKEN or TOUCHSTONE_CDASH_TOKEN_FILE for a protected project
 #   TOUCHSTONE_DASHBOARD_SITE, _BUILD_NAME                how the run is called; default host name, and system, preset and compiler
-#   TOUCHSTONE_DASHBOARD_SOURCE, _BINARY                  default this checkout and build/dashboard-<track>
-#   TOUCHSTONE_DASHBOARD_PRESET                           configure preset, default "default"; "" for none
+#   TOUCHSTONE_DASHBOARD_SOURCE, _BINARY                  default this checkout, installed the working folder; and build/dashboard-<track>
+#   TOUCHSTONE_DASHBOARD_PRESET                           configure preset, default "default", installed none; "" for none
 #   TOUCHSTONE_DASHBOARD_TARGETS, _TESTS                  build these only (separated by ';'); run tests that match the regex only
 #   TOUCHSTONE_DASHBOARD_UPDATE=1                         pull before building (Continuous and Nightly)
 #   TOUCHSTONE_DASHBOARD_COVERAGE=1, _MEMCHECK=LABEL      gcov; valgrind on the tests of that label
@@ -39,11 +41,17 @@ function(from_environment variable name default)
 endfunction()
 
 get_filename_component(checkout "${CMAKE_CURRENT_LIST_DIR}/.." ABSOLUTE)
+set(usual_source "${checkout}")
+set(usual_preset default)
+if(NOT EXISTS "${checkout}/ci/dashboard.cmake")  # installed
+  set(usual_source "$ENV{PWD}")
+  set(usual_preset "")
+endif()
 cmake_host_system_information(RESULT host QUERY HOSTNAME)
 from_environment(CTEST_SITE SITE "${host}")
-from_environment(CTEST_SOURCE_DIRECTORY SOURCE "${checkout}")
+from_environment(CTEST_SOURCE_DIRECTORY SOURCE "${usual_source}")
 from_environment(CTEST_BINARY_DIRECTORY BINARY "${CTEST_SOURCE_DIRECTORY}/build/dashboard-${track}")
-from_environment(preset PRESET default)
+from_environment(preset PRESET "${usual_preset}")
 from_environment(targets TARGETS "")
 from_environment(tests TESTS "")
 from_environment(update UPDATE "")
@@ -55,8 +63,19 @@ from_environment(require_submit REQUIRE_SUBMIT "")
 include("${CMAKE_CURRENT_LIST_DIR}/dashboard_compiler.cmake")
 dashboard_compiler(compiler "${CTEST_SOURCE_DIRECTORY}" "${preset}")
 from_environment(CTEST_BUILD_NAME BUILD_NAME "${CMAKE_HOST_SYSTEM_NAME}-${preset}-${compiler}")
-from_environment(CTEST_CMAKE_GENERATOR GENERATOR Ninja)
+find_program(ninja ninja)
+set(generator Ninja)
+if(NOT ninja)
+  set(generator "Unix Makefiles")
+endif()
+from_environment(CTEST_CMAKE_GENERATOR GENERATOR "${generator}")
 set(failed "")
+
+# What a project of one's own may lack; the other need, include(CTest), is looked for once it is configured.
+if(NOT EXISTS "${CTEST_SOURCE_DIRECTORY}/CTestConfig.cmake")
+  message("dashboard: ${CTEST_SOURCE_DIRECTORY} has no CTestConfig.cmake with the project's name and the server: touchstone init --cdash URL writes one")
+  message(FATAL_ERROR "dashboard: nothing was run")
+endif()
 
 # What the lab's tests leave behind goes along as notes: evidence with device, serial and calibration, the hardware map and
 # the probe's answer. Emulated results never enter this track.
@@ -124,6 +143,10 @@ if(memcheck)
   list(APPEND options -DTOUCHSTONE_TIMEOUT_FACTOR=30)  # a step under valgrind, often without optimisation too
 endif()
 ctest_configure(OPTIONS "${options}" RETURN_VALUE configured)
+if(NOT EXISTS "${CTEST_BINARY_DIRECTORY}/DartConfiguration.tcl")
+  message("dashboard: the project was configured up to no include(CTest): add that, or find_package(touchstone COMPONENTS dashboard), to CMakeLists.txt")
+  set(configured 1)
+endif()
 if(configured)
   list(APPEND failed configure)
 else()

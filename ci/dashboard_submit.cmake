@@ -23,6 +23,9 @@ foreach(file IN LISTS results)
 endforeach()
 set(CTEST_BINARY_DIRECTORY "${entry}")
 set(CTEST_SOURCE_DIRECTORY "${CMAKE_CURRENT_LIST_DIR}/..")
+if(NOT EXISTS "${CTEST_SOURCE_DIRECTORY}/CTestConfig.cmake")  # installed
+  set(CTEST_SOURCE_DIRECTORY "$ENV{TOUCHSTONE_DASHBOARD_SOURCE}")
+endif()
 include("${CTEST_SOURCE_DIRECTORY}/CTestConfig.cmake")
 
 # The token's header, from the environment or a file, never from the command line.

@@ -55,6 +55,8 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR}/synthetic/bundled ${PROJECT_BINARY_DIR}/s
 # styles is inside the program.
 install(DIRECTORY synthetic/bundled/ DESTINATION ${TOUCHSTONE_INSTALL_DATADIR}/datasets COMPONENT program)
 install(DIRECTORY golden DESTINATION ${TOUCHSTONE_INSTALL_DATADIR} COMPONENT program PATTERN CMakeLists.txt EXCLUDE)
+install(FILES ci/dashboard.cmake ci/dashboard_compiler.cmake ci/dashboard_outbox.cmake ci/dashboard_submit.cmake
+  DESTINATION ${TOUCHSTONE_INSTALL_DATADIR}/dashboard COMPONENT program)
 install(DIRECTORY examples DESTINATION ${TOUCHSTONE_INSTALL_DATADIR})
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)

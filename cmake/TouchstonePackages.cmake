@@ -5,7 +5,6 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
-pkg_check_modules(fftw3 REQUIRED IMPORTED_TARGET fftw3)
 find_package(CLI11 REQUIRED)
 find_package(pugixml REQUIRED)
 # Debian's shared libhdf5 brings libcurl and thirty more with it, which more than doubles the program's start.

@@ -203,6 +203,14 @@ function(touchstone_add_room name)
   endif()
 endfunction()
 
+# Which tests run at night alone: the first column of the table in docs/explanation/testing.md, as one regular expression, in
+# TOUCHSTONE_BY_NIGHT and, for what ctest reads when it runs, in a file. Their labels: nightly and by_turns (.ci/run).
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/explanation/testing.md)
+file(STRINGS ${PROJECT_SOURCE_DIR}/docs/explanation/testing.md TOUCHSTONE_BY_NIGHT REGEX "^. `\\^")
+list(TRANSFORM TOUCHSTONE_BY_NIGHT REPLACE "^. `([^`]*)`.*" "\\1")
+list(JOIN TOUCHSTONE_BY_NIGHT "|" TOUCHSTONE_BY_NIGHT)
+file(WRITE ${PROJECT_BINARY_DIR}/by_night.cmake "set(by_night [==[${TOUCHSTONE_BY_NIGHT}]==])\n")
+
 # touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL]
 #                      [ENVIRONMENT NAME=value...] [SHARDS n] [ALONE] [HEADERS a_for_test.h...])
 # HEADERS: those of tests, and private ones of rooms, that these tests include.
@@ -283,8 +291,13 @@ function(touchstone_discover_tests target)
   touchstone_test_environment(environment ${ARG_ENVIRONMENT})
   set(properties_file ${CMAKE_CURRENT_BINARY_DIR}/${list}_properties.cmake)
   file(CONFIGURE OUTPUT ${properties_file} @ONLY CONTENT [=[
+include("@PROJECT_BINARY_DIR@/by_night.cmake")
 foreach(test IN LISTS @list@)
-  set_tests_properties("${test}" PROPERTIES LABELS "@ARG_LABELS@" ENVIRONMENT "@environment@")
+  set(labels "@ARG_LABELS@")
+  if(test MATCHES "${by_night}")
+    list(APPEND labels nightly by_turns)
+  endif()
+  set_tests_properties("${test}" PROPERTIES LABELS "${labels}" ENVIRONMENT "@environment@")
 endforeach()
 ]=])
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${properties_file})

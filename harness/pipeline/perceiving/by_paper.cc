@@ -81,20 +81,22 @@ PaperFiles evaluate_by_paper(const rendering::Catalogue& catalogue, const Percei
   }
   std::vector<std::string> notes;
   std::shared_ptr<const surface::Surface> surface;
+  auto mode = recording::InTrajectoryMode::measured;
   if (!request.models.empty()) {
     surface = rendered_object(request, real, notes);
     inputs.emplace_back("mesh", request.mesh);
+    mode = models_path_of(catalogue, request, real, *surface, notes);
   }
   check_real(request, real, surface.get(), notes);
   for (const auto& rendering : request.models) {
     inputs.emplace_back("model " + rendering.name, rendering.file);
     catalogue.find(rendering.model);
     names.push_back(rendering.name);
-    sources.push_back({rendering.name, [&catalogue, &model = rendering.model, surface, &real, outward, contact_N] {
-                         const recording::Recording rendered =
-                             rendered_by(catalogue, model, surface, real, real.motion);
-                         return std::vector<pc::PressSignal>{pc::press_signal(rendered, outward, contact_N)};
-                       }});
+    sources.push_back(
+        {rendering.name, [&catalogue, &model = rendering.model, surface, &real, outward, contact_N, mode] {
+           const recording::Recording rendered = rendered_by(catalogue, model, surface, real, real.motion, mode);
+           return std::vector<pc::PressSignal>{pc::press_signal(rendered, outward, contact_N)};
+         }});
   }
   std::optional<pc::PairedComparisons> answers;
   if (!request.paper.answers.empty()) {

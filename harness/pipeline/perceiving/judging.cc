@@ -77,18 +77,20 @@ PerceiveSources perceive_sources(const rendering::Catalogue& catalogue, const Pe
   }
   std::shared_ptr<const surface::Surface> surface;
   std::shared_ptr<const pc::ReplayPath> path;
+  auto mode = recording::InTrajectoryMode::measured;
   if (!request.models.empty()) {
     surface = rendered_object(request, real, sources.notes);
     path = std::make_shared<const pc::ReplayPath>(pc::replay_path(real.motion));
     sources.inputs.emplace_back("mesh", request.mesh);
+    mode = models_path_of(catalogue, request, real, *surface, sources.notes);
   }
   check_real(request, real, surface.get(), sources.notes);
   for (const auto& rendering : request.models) {
     sources.inputs.emplace_back("model " + rendering.name, rendering.file);
     catalogue.find(rendering.model);
     sources.conditions.push_back({rendering.name,
-                                  [&catalogue, &model = rendering.model, surface, path, &real] {
-                                    return rendered_by(catalogue, model, surface, real, path->motion);
+                                  [&catalogue, &model = rendering.model, surface, path, &real, mode] {
+                                    return rendered_by(catalogue, model, surface, real, path->motion, mode);
                                   },
                                   path->samples});
   }

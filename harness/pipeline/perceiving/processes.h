@@ -33,11 +33,19 @@ void check_condition(const recording::Recording& real, const recording::Recordin
 std::shared_ptr<const surface::Surface> rendered_object(const PerceiveRequest& request,
                                                         const recording::Recording& real,
                                                         std::vector<std::string>& notes);
-// What the model renders along the real process's own path; where its forces are to be judged, `along` is that path
-// without the tracker's noise (perception::replay_path).
+// What models are fed where the user chose nothing: the path as measured, if while the real force is felt the tip is
+// inside the object by more than its tracker's noise, and by more than in an object that a hand takes for rigid
+// (medians). On a rigid object a model would answer with next to nothing: then the path made of the force, as
+// `evaluate` makes it, and `notes` says so.
+recording::InTrajectoryMode models_path_of(const rendering::Catalogue& catalogue, const PerceiveRequest& request,
+                                           const recording::Recording& real, const surface::Surface& surface,
+                                           std::vector<std::string>& notes);
+// What the model renders along the real process's own path, by `mode` (in_trajectory.h); where its forces are to be
+// judged, `along` is that path without the tracker's noise (perception::replay_path).
 recording::Recording rendered_by(const rendering::Catalogue& catalogue, const rendering::Model& model,
                                  const std::shared_ptr<const surface::Surface>& surface,
-                                 const recording::Recording& real, const MotionColumns& along);
+                                 const recording::Recording& real, const MotionColumns& along,
+                                 recording::InTrajectoryMode mode);
 
 using RolesAndFiles = std::vector<std::pair<std::string, std::string>>;
 // The files in their order, hashed.

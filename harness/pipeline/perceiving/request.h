@@ -8,6 +8,7 @@
 
 #include "harness/perception/features/rate_hardness.h"
 #include "harness/perception/filters/output_band.h"
+#include "harness/recording/dataset.h"
 #include "harness/rendering/model.h"
 
 namespace touchstone::pipeline {
@@ -48,6 +49,8 @@ struct PerceiveRequest {
   std::string mesh, mesh_unit = "m";  // the object that models render
   // Outward direction of pressing: "force" (that of the real process), "+x", "-x", "+y", "-y", "+z" or "-z".
   std::string direction = "force";
+  // What models are fed; where not given, as models_path_of() says.
+  std::optional<recording::InTrajectoryMode> in_trajectory;
   std::string extend_edges;  // width with its unit, "0" for none; empty: as needed
   bool flip_force = false;   // every recording that is read has the force BY the probe
   JudgeSettings judge;
