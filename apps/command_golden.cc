@@ -7,7 +7,7 @@
 #include "harness/baseline/acceptance.h"
 #include "harness/baseline/golden_file.h"
 #include "harness/pipeline/golden/case_runner.h"
-#include "harness/pipeline/golden/golden_life.h"
+#include "harness/pipeline/golden/golden_store.h"
 #include "harness/pipeline/golden/new_case.h"
 #include "harness/pipeline/golden/noise_floor.h"
 

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/pipeline/golden/golden_life.h"
+#include "harness/pipeline/golden/golden_store.h"
 #include "harness/pipeline/golden/scored_renderer.h"
 #include "harness/plugin/plugin.h"
 #include "harness/testing/conformance_recorder.h"

@@ -1,6 +1,6 @@
 #include "apps/golden_options.h"
 
-#include "harness/pipeline/golden/golden_life.h"
+#include "harness/pipeline/golden/golden_store.h"
 
 namespace touchstone::apps {
 

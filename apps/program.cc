@@ -15,9 +15,9 @@
 
 #include "apps/extras.h"
 #include "harness/base/bundled_files.h"
-#include "harness/base/half_files.h"
 #include "harness/base/input_files.h"
 #include "harness/base/known_names.h"
+#include "harness/base/partial_files.h"
 #include "harness/base/version.h"
 
 namespace touchstone::apps {
@@ -152,7 +152,7 @@ ExitStatus run_words(const std::vector<std::string>& words, const std::vector<Ad
 
 int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) {
   called_as().assign(argv, argv + argc);
-  remove_half_files_when_interrupted();
+  remove_partial_files_when_interrupted();
   protect_input_files();
   // A file that grows beyond the limit (ulimit -f) is an error like a full disk, with its message and exit status.
   std::signal(SIGXFSZ, SIG_IGN);

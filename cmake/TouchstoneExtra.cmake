@@ -1,24 +1,29 @@
 # What the CMakeLists.txt of an extra needs: a project over the installed package, or a part of Touchstone's own build, where
 # its warnings and precompiled headers hold too.
 #
-# touchstone_extra_library(<name> SOURCES a.cc... LIBS target... [PRIVATE_LIBS target...])
+# touchstone_extra_library(<name> [HOT] SOURCES a.cc... LIBS target... [PRIVATE_LIBS target...])
 #   The static library <name>, which sees the folder of the extra. -O1: an extra parses, calls and writes; what computes long
-#   is in the rooms.
+#   is in the rooms, or HOT.
 # touchstone_extra_program(<name> COMMANDS first... SOURCES main.cc LIBS target... [FORMATS file.json])
 #   The program touchstone-<first> under the name of each command (apps/extras.h). FORMATS: a table of the files that it reads and writes, for
 #   `touchstone formats`.
 # touchstone_add_tests(<name> SOURCES a_test.cc... LIBS target... [HEADERS a_for_test.h...] [LABELS l...] [TIMEOUT s]
 #                      [ENVIRONMENT NAME=value...])
 function(touchstone_extra_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "HOT" "" "SOURCES;LIBS;PRIVATE_LIBS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_include_directories(${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
   target_link_libraries(${name} PUBLIC ${ARG_LIBS} PRIVATE ${ARG_PRIVATE_LIBS})
   target_compile_features(${name} PUBLIC cxx_std_20)
-  target_compile_options(${name} PRIVATE -O1)
+  set(cold COLD)
+  if(ARG_HOT)
+    set(cold "")
+  else()
+    target_compile_options(${name} PRIVATE -O1)
+  endif()
   if(COMMAND touchstone_precompiled)
     target_link_libraries(${name} PRIVATE touchstone_options)
-    touchstone_precompiled(COLD ${name})
+    touchstone_precompiled(${cold} ${name})
   endif()
 endfunction()
 

@@ -9,9 +9,9 @@
 #include "harness/base/random.h"
 #include "harness/testing/tiny_meshes.h"
 #include "renderers/hand_for_test.h"
-#include "renderers/walkable/exposed_place.h"
-#include "renderers/walkable/flush.h"
-#include "renderers/walkable/mesh_regularity.h"
+#include "renderers/mesh_traversal/exposed_place.h"
+#include "renderers/mesh_traversal/flush.h"
+#include "renderers/mesh_traversal/mesh_regularity.h"
 
 namespace touchstone::renderers {
 using rendering::StepResult;

@@ -6,7 +6,7 @@
 #include "harness/surface/mesh_repair.h"
 #include "harness/testing/tiny_meshes.h"
 #include "renderers/hand_for_test.h"
-#include "renderers/walkable/mesh_regularity.h"
+#include "renderers/mesh_traversal/mesh_regularity.h"
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {

@@ -13,8 +13,8 @@
 #include <string>
 
 #include "harness/base/error.h"
-#include "harness/base/half_files.h"
 #include "harness/base/input_files.h"
+#include "harness/base/partial_files.h"
 
 namespace touchstone {
 namespace {
@@ -57,14 +57,14 @@ AtomicFile::AtomicFile(std::filesystem::path target, Replace replace) : target_(
     return;
   }
   temporary_ = beside(target_);
-  add_half_file(temporary_);
+  add_partial_file(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
   if (temporary_ == target_) return;
   std::error_code ignored;
   if (!committed_) std::filesystem::remove(temporary_, ignored);
-  drop_half_file(temporary_);
+  drop_partial_file(temporary_);
 }
 
 void AtomicFile::commit() {

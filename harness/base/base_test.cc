@@ -11,10 +11,10 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/base/half_files.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/json_values.h"
+#include "harness/base/partial_files.h"
 #include "harness/base/random.h"
 #include "harness/base/units.h"
 
@@ -135,7 +135,7 @@ TEST(AtomicFile, AnInterruptLeavesNoHalfFileAndNoEmptyFolder) {
     const pid_t child = ::fork();
     if (child == 0) {
       std::signal(signal, SIG_DFL);
-      remove_half_files_when_interrupted();
+      remove_partial_files_when_interrupted();
       ensure_writable_folder(folder / "new" / "deep");
       AtomicFile one(folder / "a.txt");
       AtomicFile other(folder / "b.txt");

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/base/half_files.h"
 #include "harness/base/input_files.h"
+#include "harness/base/partial_files.h"
 #include "harness/base/version.h"
 #include "harness/recording/hdf5_handle.h"
 #include "harness/recording/recording_file.h"
@@ -26,12 +26,12 @@ class PartFile {
   explicit PartFile(const fs::path& target) : target_(target) {
     path_ = target.parent_path() / fmt::format(".{}.{}.part.h5", target.stem().string(), ::getpid());
     std::ignore = make_folders(target.parent_path());  // what fails is said when the file is written
-    add_half_file(path_);
+    add_partial_file(path_);
   }
   ~PartFile() {
     std::error_code ignored;
     fs::remove(path_, ignored);
-    drop_half_file(path_);
+    drop_partial_file(path_);
   }
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;

@@ -34,7 +34,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-// Ends the group, politely first: a compiler removes its half files then.
+// Ends the group, politely first: a compiler removes its partial files then.
 void end_group(pid_t group) {
   constexpr auto patience = std::chrono::milliseconds(2000);
   constexpr auto pause = std::chrono::milliseconds(20);

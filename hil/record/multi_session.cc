@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "harness/base/error.h"
-#include "harness/base/half_files.h"
+#include "harness/base/partial_files.h"
 #include "harness/recording/envelope_clock.h"
 #include "hil/lab/analysis.h"
 

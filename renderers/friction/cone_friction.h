@@ -25,8 +25,8 @@
 
 #include "renderers/friction/cone_split.h"
 #include "renderers/friction/contact_places.h"
+#include "renderers/friction/contact_transition.h"
 #include "renderers/friction/fixed_order.h"
-#include "renderers/friction/slide_jump.h"
 
 namespace touchstone::renderers {
 

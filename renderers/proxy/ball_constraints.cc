@@ -6,7 +6,7 @@
 
 #include "renderers/friction/fixed_order.h"
 #include "renderers/friction/nearest_in_polyhedron.h"
-#include "renderers/walkable/counted_contact_mesh.h"
+#include "renderers/mesh_traversal/counted_contact_mesh.h"
 
 namespace touchstone::renderers {
 using surface::Feature;

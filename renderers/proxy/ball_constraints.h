@@ -8,7 +8,7 @@
 #include <array>
 #include <cstdint>
 
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::renderers {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "renderers/walkable/counted_contact_mesh.h"
-#include "renderers/walkable/exposed_place.h"
-#include "renderers/walkable/fetch.h"
+#include "renderers/mesh_traversal/counted_contact_mesh.h"
+#include "renderers/mesh_traversal/exposed_place.h"
+#include "renderers/mesh_traversal/fetch.h"
 
 namespace touchstone::renderers {
 namespace {

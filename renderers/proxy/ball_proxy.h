@@ -31,9 +31,9 @@
 #include "renderers/friction/cone_friction.h"
 #include "renderers/friction/fixed_order.h"
 #include "renderers/friction/nearest_in_polyhedron.h"
+#include "renderers/mesh_traversal/surface_walk.h"
 #include "renderers/proxy/ball_constraints.h"
 #include "renderers/proxy/ball_vicinity.h"
-#include "renderers/walkable/surface_walk.h"
 
 namespace touchstone::renderers {
 

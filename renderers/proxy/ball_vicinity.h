@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::renderers {
 

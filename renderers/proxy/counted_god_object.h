@@ -14,10 +14,10 @@
 #include "harness/rendering/renderer.h"
 #include "harness/surface/surface.h"
 #include "renderers/friction/cone_friction.h"
+#include "renderers/mesh_traversal/counted_contact_mesh.h"
 #include "renderers/proxy/ball_proxy.h"
 #include "renderers/proxy/point_proxy.h"
 #include "renderers/proxy/proxy_renderer.h"
-#include "renderers/walkable/counted_contact_mesh.h"
 
 namespace touchstone::renderers {
 

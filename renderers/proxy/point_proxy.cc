@@ -1,6 +1,6 @@
 #include "renderers/proxy/point_proxy.h"
 
-#include "renderers/walkable/front_crossing.h"
+#include "renderers/mesh_traversal/front_crossing.h"
 
 namespace touchstone::renderers {
 

@@ -2,9 +2,9 @@
 // planes where it is not (plane_contact.h).
 #pragma once
 
-#include "renderers/walkable/exposed_place.h"
-#include "renderers/walkable/plane_contact.h"
-#include "renderers/walkable/surface_walk.h"
+#include "renderers/mesh_traversal/exposed_place.h"
+#include "renderers/mesh_traversal/plane_contact.h"
+#include "renderers/mesh_traversal/surface_walk.h"
 
 namespace touchstone::renderers {
 

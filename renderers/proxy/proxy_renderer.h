@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "harness/rendering/renderer.h"
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::renderers {
 

@@ -6,8 +6,8 @@
 
 #include "renderers/friction/nearest_in_polyhedron.h"
 #include "renderers/friction/shares.h"
-#include "renderers/walkable/exposed_place.h"
-#include "renderers/walkable/front_crossing.h"
+#include "renderers/mesh_traversal/exposed_place.h"
+#include "renderers/mesh_traversal/front_crossing.h"
 
 namespace touchstone::renderers {
 namespace {

@@ -22,10 +22,10 @@
 #include <vector>
 
 #include "renderers/friction/cone_friction.h"
+#include "renderers/mesh_traversal/plane_contact.h"
+#include "renderers/mesh_traversal/posed_bodies.h"
+#include "renderers/mesh_traversal/surface_walk.h"
 #include "renderers/proxy/point_proxy.h"
-#include "renderers/walkable/plane_contact.h"
-#include "renderers/walkable/posed_bodies.h"
-#include "renderers/walkable/surface_walk.h"
 
 namespace touchstone::renderers {
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "renderers/friction/contact_places.h"
-#include "renderers/walkable/contact_mesh.h"
-#include "renderers/walkable/fetch.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
+#include "renderers/mesh_traversal/fetch.h"
 
 namespace touchstone::renderers {
 

@@ -9,7 +9,7 @@
 #include "harness/runs/shared_cache.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::atlas {

@@ -8,7 +8,7 @@
 #include "experiments/mesh_family.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 #include "synthetic/datasets/recipe.h"
 
 namespace touchstone::experiments {

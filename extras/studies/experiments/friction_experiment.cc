@@ -15,7 +15,7 @@
 #include "harness/rendering/replay.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::experiments {
 namespace {

@@ -18,7 +18,7 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_topology.h"
 #include "renderers/catalogue.h"
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::experiments {
 using recording::InTrajectoryMode;

@@ -1,0 +1,111 @@
+// `touchstone loop` as a user runs it: what it writes, and what it says of what it cannot use.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "harness/base/json_reader.h"
+#include "harness/testing/built_program.h"
+
+namespace touchstone::loop {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Outcome;
+
+class LoopCommand : public testing::BuiltProgram {
+ protected:
+  void SetUp() override {
+    BuiltProgram::SetUp();
+    if (IsSkipped()) return;
+    write_file(folder_ / "plate.obj", "v -0.1 -0.1 0\nv 0.1 -0.1 0\nv 0.1 0.1 0\nv -0.1 0.1 0\nf 1 2 3\nf 1 3 4\n");
+    write_file(folder_ / "soft.json", model(300.0));
+    write_file(folder_ / "stiff.json", model(40000.0));
+    write_file(folder_ / "press.csv",
+               "t_s,x_m,y_m,z_m\n0,0,0,0.003\n0.4,0,0,-0.002\n1.4,0.004,0,-0.002\n1.6,0.004,0,0.003\n");
+  }
+  static std::string model(double stiffness) {
+    return fmt::format(
+        R"({{"schema": "touchstone-model/1", "renderer": "god-object", "parameters": {{"stiffness_N_per_m": {}}}}})",
+        stiffness);
+  }
+  [[nodiscard]] Outcome loop(const std::string& model_file, const std::string& more) const {
+    return run(fmt::format("loop --model {} --mesh plate.obj --path press.csv {}", model_file, more));
+  }
+  [[nodiscard]] nlohmann::json result(const std::string& out) const { return load_json(folder_ / out / "result.json"); }
+};
+
+constexpr const char* kExact = "--set mass_kg=0.1 --set friction_N=0 --set resolution_m=0";
+
+TEST_F(LoopCommand, ASoftWallIsStableAndAStiffOneIsNot) {
+  const Outcome soft = loop("soft.json", std::string("--device touch --grip light --out soft ") + kExact);
+  ASSERT_EQ(soft.status, 0) << soft.err;
+  EXPECT_THAT(soft.out, HasSubstr("Stable"));
+  EXPECT_EQ(result("soft").at("verdict"), "stable");
+  EXPECT_GT(result("soft").at("stable_margin").get<double>(), 2.0);
+  EXPECT_THAT(read_file(folder_ / "soft" / "report.html"), HasSubstr("Will it buzz?"));
+  const Outcome stiff = loop("stiff.json", std::string("--device touch --grip light --out stiff ") + kExact);
+  ASSERT_EQ(stiff.status, 0) << stiff.err;
+  EXPECT_EQ(result("stiff").at("verdict"), "unstable");
+  EXPECT_LT(result("stiff").at("stable_margin").get<double>(), 1.0);
+}
+
+TEST_F(LoopCommand, RepeatsToTheByteButForTheTimeThatItTook) {
+  std::vector<nlohmann::json> results;
+  for (const char* out : {"one", "two"}) {
+    ASSERT_EQ(loop("soft.json", fmt::format("--device touch-x --set jitter_s=0.0003 --seed 5 --out {}", out)).status,
+              0);
+    results.push_back(result(out));
+    results.back().erase("real_time_factor");
+  }
+  EXPECT_EQ(results[0].dump(), results[1].dump());
+}
+
+TEST_F(LoopCommand, FasterThanRealTimeByAThousand) {
+  ASSERT_EQ(run("synth --surface sphere --triangles 10000 --out ball.obj").status, 0);
+  write_file(folder_ / "over.csv", "t_s,x_m,y_m,z_m\n0,-0.01,0,0.032\n0.4,-0.01,0,0.026\n9,0.01,0,0.026\n");
+  ASSERT_EQ(run("loop --model soft.json --mesh ball.obj --path over.csv --device touch --out ball").status, 0);
+  const double factor = result("ball").at("real_time_factor").get<double>();
+  fmt::print("real-time factor over 10,000 triangles: {:.0f}\n", factor);
+  // 1,000 is aimed at; other work may run beside it, and sanitizers slow it down.
+  EXPECT_GT(factor, 10.0);
+}
+
+TEST_F(LoopCommand, SaysWhatItCannotUseAndLeavesNoFolder) {
+  const auto refused = [&](const std::string& words, int status, const std::string& says) {
+    const Outcome outcome = loop("soft.json", words + " --out none");
+    EXPECT_EQ(outcome.status, status) << words;
+    EXPECT_THAT(outcome.err, HasSubstr(says)) << words;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "none")) << words;
+  };
+  refused("--device touhc", 2, "touch");
+  refused("--grip normal", 2, "hand_mass_kg");
+  refused("--set mass=1", 2, "mass_kg");
+  refused("--set mass_kg=-1", 2, "above 0");
+  refused("--set friction_N=-1", 2, "0 or more");
+  refused("--set actuator_bandwidth_Hz=1e15", 2, "bandwidth");
+  refused("--set period_s=1e-12", 2, "periods");
+  refused("--set jitter_s=0.01", 2, "jitter_s");
+  write_file(folder_ / "own.json", R"({"schema": "touchstone-device/1", "name": "own", "figures": {"mass_kg": {}}})");
+  refused("--device own.json", 3, "/figures/mass_kg");
+  write_file(folder_ / "press.csv", "t_s,x_m,y_m,z_m\n0,0,0,0.003\n0.4,0,zero,-0.002\n");
+  refused("--device touch", 3, "press.csv");
+  EXPECT_EQ(run("loop --device touch").status, 2);
+  EXPECT_EQ(run("loop width --points 1").status, 2);
+  EXPECT_EQ(run("loop width --over mass").status, 2);
+  EXPECT_EQ(run("loop nonsense").status, 2);
+}
+
+TEST_F(LoopCommand, WidthTuneAndAtlasWriteWhatTheySay) {
+  ASSERT_EQ(run("loop width --device touch --grip light --over latency --points 2 --out w").status, 0);
+  EXPECT_EQ(result("w").at("grips").at(0).at("points").size(), 2u);
+  const Outcome tuned = run("loop tune --device touch --grip light --json tuned.json");
+  ASSERT_EQ(tuned.status, 0) << tuned.err;
+  EXPECT_EQ(load_json(folder_ / "tuned.json").at("devices").at(0).at("published_N_per_m"), 400.0);
+  ASSERT_EQ(run("loop atlas --device touch --out a").status, 0);
+  EXPECT_EQ(result("a").at("cells").size(), 72u);
+  for (const auto& cell : result("a").at("cells")) EXPECT_EQ(cell.at("refused"), "");
+}
+
+}  // namespace
+}  // namespace touchstone::loop

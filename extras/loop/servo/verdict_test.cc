@@ -1,0 +1,105 @@
+// Verdicts on walls that theory says are stable or not.
+#include "servo/verdict.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <cmath>
+#include <numbers>
+
+#include "servo/flat_wall.h"
+#include "servo/limits.h"
+#include "servo/linear_wall_for_test.h"
+
+namespace touchstone::servo {
+namespace {
+
+// Down to 2 mm above a wall, into it as far as presses with 1 N, and hold.
+MotionColumns press(const LoopParameters& own) {
+  MotionColumns path;
+  const double deep_m = 1.0 / own.axis.hand_stiffness_N_per_m;
+  for (int k = 0; k <= 200; ++k) {
+    const double t = 0.01 * k;
+    path.t_s.push_back(t);
+    path.p_W_m.emplace_back(0.0, 0.0, 2e-3 - (2e-3 + deep_m) * std::min(1.0, t / 0.3));
+  }
+  return path;
+}
+
+LoopParameters grip(double mass_kg, double damping, double stiffness) {
+  LoopParameters own;
+  own.axis = {0.1 + mass_kg, 0.5, 0.0, damping, stiffness, 0.0};
+  own.hand_mass_kg = mass_kg;
+  return own;
+}
+
+Judgement judged(rendering::Renderer& renderer, const LoopParameters& own) {
+  return judge(run_for_judgement(renderer, press(own), own), {});
+}
+
+TEST(Verdict, ChangesWhereTheLinearLoopTurnsUnstable) {
+  for (const LoopParameters& own : {grip(0.006, 4.0, 800.0), grip(0.5, 6.0, 135.0)}) {
+    for (const double latency_s : {0.0, 2e-3}) {
+      LoopParameters late = own;
+      late.latency_s = latency_s;
+      const double critical = critical_gain(late)->stiffness_N_per_m;
+      FlatWall stable(0.5 * critical), unstable(1.3 * critical);
+      EXPECT_EQ(judged(stable, late).verdict, Verdict::stable) << sentence(judged(stable, late));
+      EXPECT_EQ(judged(unstable, late).verdict, Verdict::unstable) << sentence(judged(unstable, late));
+    }
+  }
+}
+
+TEST(Verdict, StepsOfTheEncoderBuzzWithTheAmplitudeAndFrequencyThatIsThere) {
+  LoopParameters own = grip(0.02, 4.0, 300.0);
+  own.resolution_m = 1e-4;
+  FlatWall wall(0.5 * critical_gain(own)->stiffness_N_per_m);
+  const LoopRuns runs = run_for_judgement(wall, press(own), own);
+  const LoopTrace& run = runs.run;
+  const Judgement found = judge(runs, {});
+  EXPECT_EQ(found.verdict, Verdict::buzzes) << sentence(found);
+  EXPECT_NEAR(found.buzz.frequency_Hz, frequency_Hz(run), 2.0);
+  // A sine fitted to the force on the hand there.
+  Eigen::MatrixXd waves(128, 3);
+  Eigen::VectorXd felt(128);
+  const auto begin = static_cast<Eigen::Index>(std::lround(found.buzz.at_s / own.period_s)) - 64;
+  for (Eigen::Index i = 0; i < 128; ++i) {
+    const double phase = 2.0 * std::numbers::pi * found.buzz.frequency_Hz * static_cast<double>(i) * own.period_s;
+    waves.row(i) << std::cos(phase), std::sin(phase), 1.0;
+    felt[i] = run.felt_W_N[static_cast<std::size_t>(begin + i)].z();
+  }
+  const double amplitude_N = waves.colPivHouseholderQr().solve(felt).head<2>().norm();
+  EXPECT_NEAR(found.buzz.amplitude_N, amplitude_N, 0.2 * amplitude_N);
+}
+
+// A vibration that the renderer makes by itself is not the loop's.
+TEST(Verdict, WhatTheRendererShakesByItselfIsItsOwn) {
+  class Shaking final : public rendering::Renderer {
+   protected:
+    void do_reset() override {}
+    rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
+      rendering::StepResult out;
+      out.contact = tip.p_W_m.z() < 0.0;
+      if (!out.contact) return out;
+      const double swing_N = 0.2 * std::sin(2.0 * std::numbers::pi * 80.0 * tip.t_s);
+      out.n_W = Vec3::UnitZ();
+      out.f_W_N = (-300.0 * tip.p_W_m.z() + swing_N) * out.n_W;
+      return out;
+    }
+  } renderer;
+  const Judgement found = judged(renderer, grip(0.1, 6.0, 300.0));
+  EXPECT_EQ(found.verdict, Verdict::stable) << sentence(found);
+  EXPECT_GT(found.own.jnd, 1.0);
+  EXPECT_NEAR(found.own.frequency_Hz, 80.0, 2.0);
+}
+
+TEST(Verdict, WithoutContactItCannotTell) {
+  FlatWall wall(500.0);
+  const LoopParameters own = grip(0.1, 4.0, 300.0);
+  const MotionColumns above{{0.0, 1.0}, {Vec3(0, 0, 0.01), Vec3(0.01, 0, 0.01)}, {}};
+  const Judgement found = judge(run_for_judgement(wall, above, own), {});
+  EXPECT_EQ(found.verdict, Verdict::cannot_tell);
+}
+
+}  // namespace
+}  // namespace touchstone::servo
