@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <vector>
 
 #include "harness/base/error.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::rendering {
 using recording::InTrajectory;
@@ -45,5 +47,18 @@ InTrajectory whole_force_in_trajectory(const recording::OutTrajectory& out, std:
 }
 
 InTrajectory measured_in_trajectory(const recording::Recording& recording) { return {recording.motion}; }
+
+DepthUnderForce depth_under_force(const recording::Recording& recording, const surface::Surface& surface,
+                                  double tip_radius_m) {
+  std::vector<double> depths_m, forces_N;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    const double force_N = recording.f_W_N[i].norm();
+    if (!(force_N > default_contact_threshold_N)) continue;
+    depths_m.push_back(tip_radius_m - surface.signed_distance(recording.motion.p_W_m[i]));
+    forces_N.push_back(force_N);
+  }
+  if (depths_m.size() < 5) return {std::nan(""), std::nan("")};
+  return {stats::upper_median(std::move(depths_m)), stats::upper_median(std::move(forces_N))};
+}
 
 }  // namespace touchstone::rendering

@@ -256,5 +256,25 @@ TEST(OutTrajectory, BadInputIsRefused) {
   EXPECT_THROW(make_out_trajectory(recording, plane, {}), BadData);
 }
 
+TEST(DepthUnderForce, TellsARigidObjectFromOneThatGivesWay) {
+  for (const double stiffness : {300.0, 2e4, 1e5, 1e7}) {
+    for (const double radius : {0.0, 0.002}) {
+      recording::Recording press;
+      for (int i = 0; i < 400; ++i) {
+        const double force = 2.0 * std::max(0.0, std::sin(0.05 * i));  // half of the time in the air
+        press.motion.t_s.push_back(0.01 * i);
+        press.motion.p_W_m.emplace_back(0.0, 0.0, radius + (force > 0.0 ? -force / stiffness : 0.003));
+        press.f_W_N.emplace_back(0.0, 0.0, force);
+      }
+      const Plane plane(Vec3::Zero(), Vec3::UnitZ(), 1.0);
+      const DepthUnderForce felt = depth_under_force(press, plane, radius);
+      EXPECT_NEAR(felt.force_N / felt.depth_m, stiffness, 1e-6 * stiffness);
+      EXPECT_EQ(felt.is_rigid(), stiffness > 41.5e3) << stiffness;
+      press.f_W_N.assign(400, Vec3::Zero());
+      EXPECT_FALSE(depth_under_force(press, plane, radius).is_rigid()) << "nothing is felt";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace touchstone::rendering

@@ -92,6 +92,18 @@ void check_recordings(const DiscrepancyFiles& files, DiscrepancyInputs& inputs) 
   }
 }
 
+void warn_of_a_rigid_object(DiscrepancyInputs& inputs) {
+  const auto radius = inputs.model.parameters.find("tip_radius_m");
+  const auto felt = rendering::depth_under_force(inputs.train, *inputs.surface,
+                                                 radius == inputs.model.parameters.end() ? 0.0 : radius->second);
+  if (!felt.is_rigid()) return;
+  inputs.remarks.push_back(fmt::format(
+      "warning: {}: at {:.3g} N the tip is {:.3g} mm deep in the object (medians), as on a rigid one: along the "
+      "measured path "
+      "the model answers with next to nothing; --in-trajectory synthesize makes the path of surface and force",
+      inputs.train.source, felt.force_N, 1e3 * felt.depth_m));
+}
+
 }  // namespace
 
 DiscrepancyInputs load_inputs(const rendering::Catalogue& catalogue, const DiscrepancyFiles& files) {
@@ -118,6 +130,8 @@ DiscrepancyInputs load_inputs(const rendering::Catalogue& catalogue, const Discr
   if (files.synthesize_in_trajectory) {
     synthesize(inputs.train, *inputs.surface, inputs.model);
     if (inputs.holdout) synthesize(*inputs.holdout, *inputs.surface, inputs.model);
+  } else if (!files.mesh.empty()) {
+    warn_of_a_rigid_object(inputs);
   }
   return inputs;
 }

@@ -10,7 +10,6 @@
 #include "harness/base/units.h"
 #include "harness/perception/filters/weber_law.h"
 #include "harness/perception/haptic_data_matrix.h"
-#include "harness/perception/judge/replay_path.h"
 #include "harness/pipeline/evaluation/inputs.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/in_trajectory.h"
@@ -19,7 +18,6 @@
 #include "harness/sanity/pair_faults.h"
 #include "harness/sanity/recording_sample.h"
 #include "harness/sanity/sanity.h"
-#include "harness/stats/quantile.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
@@ -62,32 +60,15 @@ InTrajectoryMode models_path_of(const rendering::Catalogue& catalogue, const Per
     radius_m = std::max(radius_m, parameter_of(catalogue, one.model, "tip_radius_m"));
     friction = friction || has_friction_in_proxy(catalogue, one.model);
   }
-  std::vector<double> depths_m, forces_N;
-  for (std::size_t i = 0; i < real.size(); ++i) {
-    const double felt_N = real.f_W_N[i].norm();
-    if (!(felt_N > perception::kFingertipForce.absolute_threshold)) continue;
-    depths_m.push_back(radius_m - surface.signed_distance(real.motion.p_W_m[i]));
-    forces_N.push_back(felt_N);
-  }
-  if (depths_m.size() < 5) return InTrajectoryMode::measured;
-  double noise_m = 1e-6;  // of a recording without noise
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> column;
-    for (const Vec3& p : real.motion.p_W_m) column.push_back(p[axis]);
-    noise_m = std::max(noise_m, perception::white_noise_of(column));
-  }
-  // A wall of 15 to 42 kN/m is rigid to a hand (Tan, Srinivasan, Eberman and Cheng 1994, "Human factors for the design
-  // of force-reflecting haptic interfaces").
-  constexpr double in_noise = 3.0, rigid_N_per_m = 41.5e3;
-  const double depth_m = stats::upper_median(std::move(depths_m));
-  const double force_N = stats::upper_median(std::move(forces_N));
-  if (depth_m > in_noise * noise_m && force_N < rigid_N_per_m * depth_m) return InTrajectoryMode::measured;
+  const rendering::DepthUnderForce felt = rendering::depth_under_force(real, surface, radius_m);
+  if (!felt.is_rigid()) return InTrajectoryMode::measured;
   const InTrajectoryMode mode = usual_in_trajectory(friction);
   notes.push_back(fmt::format(
       "in-trajectory: {}: at {:.3g} N the real tip is {:.3g} mm deep in the object (medians), as on a rigid one: "
       "models are "
       "fed the path made of the force{}, so that their stiffness is not judged (--in-trajectory chooses)",
-      recording::in_trajectory_name(mode), force_N, 1e3 * depth_m, friction ? "" : " along the normal (equation 2)"));
+      recording::in_trajectory_name(mode), felt.force_N, 1e3 * felt.depth_m,
+      friction ? "" : " along the normal (equation 2)"));
   return mode;
 }
 

@@ -33,10 +33,8 @@ void check_condition(const recording::Recording& real, const recording::Recordin
 std::shared_ptr<const surface::Surface> rendered_object(const PerceiveRequest& request,
                                                         const recording::Recording& real,
                                                         std::vector<std::string>& notes);
-// What models are fed where the user chose nothing: the path as measured, if while the real force is felt the tip is
-// inside the object by more than its tracker's noise, and by more than in an object that a hand takes for rigid
-// (medians). On a rigid object a model would answer with next to nothing: then the path made of the force, as
-// `evaluate` makes it, and `notes` says so.
+// What models are fed where the user chose nothing: the path as measured, but of an object that is rigid to a hand
+// (in_trajectory.h) the path made of the force, as `evaluate` makes it, and then `notes` says so.
 recording::InTrajectoryMode models_path_of(const rendering::Catalogue& catalogue, const PerceiveRequest& request,
                                            const recording::Recording& real, const surface::Surface& surface,
                                            std::vector<std::string>& notes);
