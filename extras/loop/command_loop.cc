@@ -76,6 +76,7 @@ void add_loop(CLI::App& program, apps::Run& run) {
   add_width(*command, run);
   add_tune(*command, run);
   add_atlas(*command, run);
+  add_fit(*command, run);
   auto options = std::make_shared<LoopOptions>();
   options->setup.add_to(*command);
   command->add_option("--model", options->model, "Model file (touchstone-model/1)");

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/json_reader.h"
@@ -94,6 +95,25 @@ TEST_F(LoopCommand, SaysWhatItCannotUseAndLeavesNoFolder) {
   EXPECT_EQ(run("loop width --points 1").status, 2);
   EXPECT_EQ(run("loop width --over mass").status, 2);
   EXPECT_EQ(run("loop nonsense").status, 2);
+}
+
+// Let go beside a spring of 100 N/m on a device of 0.2 kg with a friction of 2 N s/m: x'' = -(100 x + 2 x') / 0.2.
+TEST_F(LoopCommand, FitMakesADeviceFileThatTheLoopTakes) {
+  std::string csv = "t_s,x_m,y_m,z_m,fx_N,fy_N,fz_N\n";
+  const double decay = 5.0, w = std::sqrt(500.0 - decay * decay);
+  for (int k = 0; k < 800; ++k) {
+    const double t = 1e-3 * k;
+    const double x = 0.02 * std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
+    csv += fmt::format("{},0,{:.9f},0,0,{:.9f},0\n", t, x, -100.0 * x);
+  }
+  write_file(folder_ / "release.csv", csv);
+  const Outcome fit = run("loop fit --recording release.csv --name mine --out mine.json");
+  ASSERT_EQ(fit.status, 0) << fit.err;
+  const auto sheet = load_json(folder_ / "mine.json");
+  EXPECT_NEAR(sheet.at("figures").at("mass_kg").at("value").get<double>(), 0.2, 0.004);
+  EXPECT_EQ(loop("soft.json", "--device mine.json --grip light --out own").status, 0);
+  EXPECT_EQ(run("loop fit --recording press.csv --out none.json").status, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none.json"));
 }
 
 TEST_F(LoopCommand, WidthTuneAndAtlasWriteWhatTheySay) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -22,15 +23,17 @@ namespace {
 
 struct Axis {
   servo::WidthOver over;
-  const char* label;  // with its unit
-  double shown;       // times the SI value
-  double most;        // SI, where --most is not given
+  const char* name;
+  const char* unit;
+  double shown;  // times the SI value
+  double most;   // SI, where --most is not given
 };
+std::string label_of(const Axis& axis) { return fmt::format("{} [{}]", axis.name, axis.unit); }
 const std::map<std::string, Axis>& axes() {
   static const std::map<std::string, Axis> known{
-      {"damping", {servo::WidthOver::virtual_damping, "virtual damping [N s/m]", 1.0, 40.0}},
-      {"latency", {servo::WidthOver::latency, "latency [ms]", 1e3, 5e-3}},
-      {"period", {servo::WidthOver::period, "period [ms]", 1e3, 5e-3}}};
+      {"damping", {servo::WidthOver::virtual_damping, "virtual damping", "N s/m", 1.0, 40.0}},
+      {"latency", {servo::WidthOver::latency, "latency", "ms", 1e3, 5e-3}},
+      {"period", {servo::WidthOver::period, "period", "ms", 1e3, 5e-3}}};
   return known;
 }
 
@@ -48,7 +51,7 @@ struct GripWidth {
 };
 
 report::LinePlot width_plot(const std::vector<GripWidth>& widths, const Axis& axis) {
-  report::LinePlot plot{"The stiffest wall", axis.label, "stiffness [N/m]", {}, {}, {}, "", ""};
+  report::LinePlot plot{"The stiffest wall", label_of(axis), "stiffness [N/m]", {}, {}, {}, "", ""};
   plot.log_y = true;
   plot.height_px = 420;
   const auto add = [&](const std::string& name, const GripWidth& width, double servo::WidthPoint::*what,
@@ -66,7 +69,8 @@ report::LinePlot width_plot(const std::vector<GripWidth>& widths, const Axis& ax
     add("nothing is felt, " + grip, widths[i], &servo::WidthPoint::unfelt_N_per_m, tone, false);
     add("linear theory, " + grip, widths[i], &servo::WidthPoint::linear_N_per_m, tone, true);
   }
-  add("passive with every hand", widths.front(), &servo::WidthPoint::passive_N_per_m, report::Tone::error, true);
+  if (std::ranges::any_of(widths.front().points, [](const auto& point) { return point.passive_N_per_m > 0.0; }))
+    add("passive with every hand", widths.front(), &servo::WidthPoint::passive_N_per_m, report::Tone::error, true);
   plot.note =
       "Below a solid line the loop is stable in that hand. Linear theory: the eigenvalues of the sampled loop. "
       "Passive: Colgate and Schenkel 1997, from the damping of the device alone; no line where it has none.";
@@ -75,8 +79,8 @@ report::LinePlot width_plot(const std::vector<GripWidth>& widths, const Axis& ax
 
 std::vector<std::vector<std::string>> table_of(const std::vector<GripWidth>& widths, const Axis& axis) {
   const auto shown = [](double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "none"; };
-  std::vector<std::vector<std::string>> rows{
-      {"grip", axis.label, "nothing is felt [N/m]", "not thrown out [N/m]", "linear theory [N/m]", "passive [N/m]"}};
+  std::vector<std::vector<std::string>> rows{{"grip", label_of(axis), "nothing is felt [N/m]", "not thrown out [N/m]",
+                                              "linear theory [N/m]", "passive [N/m]"}};
   for (const GripWidth& width : widths) {
     for (const servo::WidthPoint& point : width.points) {
       rows.push_back({width.setup.grip.name, shown(axis.shown * point.at), shown(point.unfelt_N_per_m),
@@ -110,9 +114,9 @@ void write_report(const WidthOptions& options, const std::vector<GripWidth>& wid
   report::Page page;
   page.title = "How stiff a wall can be";
   const auto& shown = widths.front().points.front();
-  page.subtitle = fmt::format("{}: at {} {:g} nothing is felt of the loop up to {:.3g} N/m in a {} grip.",
-                              widths.front().setup.device.name, axis.label, axis.shown * shown.at, shown.unfelt_N_per_m,
-                              widths.front().setup.grip.name);
+  page.subtitle = fmt::format("{}, {} of {:g} {}, in a {} grip: nothing is felt of the loop up to {:.0f} N/m.",
+                              widths.front().setup.device.name, axis.name, axis.shown * shown.at, axis.unit,
+                              widths.front().setup.grip.name, shown.unfelt_N_per_m);
   report::Section picture{"Stable region", "", {}, false};
   picture.blocks.emplace_back(width_plot(widths, axis));
   report::Section figures{"Figures", "", {}, true};

@@ -9,6 +9,7 @@ void add_loop(CLI::App& program, apps::Run& run);
 
 // Below `touchstone loop`.
 void add_atlas(CLI::App& loop, apps::Run& run);
+void add_fit(CLI::App& loop, apps::Run& run);
 void add_tune(CLI::App& loop, apps::Run& run);
 void add_width(CLI::App& loop, apps::Run& run);
 

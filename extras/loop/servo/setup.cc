@@ -33,7 +33,9 @@ bool has(const Values& set, std::string_view prefix, const DataSheet& sheet, std
 
 void check_names(const Values& set) {
   const auto known = names_to_set();
-  for (const auto& [name, value] : set) {
+  for (const auto& given : set) {
+    const std::string& name = given.first;
+    const double value = given.second;
     if (std::ranges::find(known, name) == known.end())
       throw UsageError("--set: " + unknown_name("figure", name, known));
     const bool above_zero = std::ranges::any_of(
