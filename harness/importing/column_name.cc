@@ -369,7 +369,7 @@ Split split_unit(std::string text) {
 
 // Volts, degrees Celsius, metres in a second: of nothing that a recording has.
 bool is_of_something_else(const std::string& unit) {
-  constexpr auto own = std::to_array<std::string_view>({"m", "N", "N.m", "s", "1"});
+  constexpr auto own = std::to_array<std::string_view>({"m", "N", "N.m", "s", "1", "kg"});
   return is_foreign_unit(unit) &&
          std::ranges::none_of(own, [&](std::string_view si) { return foreign_unit_factor(unit, si).has_value(); });
 }

@@ -172,7 +172,7 @@ TEST(ColumnName, OthersAreNotTaken) {
 TEST(ColumnName, AUnitThatIsNotKnownIsADoubt) {
   for (const char* const name :
        {"Fx (lbx)", "Fz [V]", "Fx (kg)", "time (rows)", "force_x_kpd", "pos_x_N", "Fx_mm", "time_mm", "Force (counts)",
-        "Fz (N*1000)", "x (1/100 mm)", "x (%)", "X (Mm)", "Load (Mn)"}) {
+        "Fz (N*1000)", "x (1/100 mm)", "x (%)", "X (Mm)", "Load (Mn)", "F (g)"}) {
     const ColumnName got = parse_column_name(name);
     EXPECT_NE(got.doubt, "") << name;
   }

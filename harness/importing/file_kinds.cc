@@ -59,6 +59,12 @@ void refuse_known_kind(const std::filesystem::path& path, std::string_view head)
     if (const auto at = to_do.find("FILE"); at != std::string::npos) to_do.replace(at, 4, path.filename().string());
     throw BadData(fmt::format("{}: is {}, which is not read: {}", path.string(), kind.what, to_do));
   }
+  if (path.extension() == ".ibw" && head.size() > 1 && (head[0] == 0) != (head[1] == 0)) {  // a version of 2 or 5
+    throw BadData(
+        fmt::format("{}: is an Igor binary wave, which is not read: save the waves as delimited text (Data, "
+                    "Save Waves)",
+                    path.string()));
+  }
   // The second byte of a C3D file; its first points to the parameters, which are near.
   if (path.extension() == ".c3d" && head.size() > 1 && head[1] == '\x50') {
     throw BadData(fmt::format(

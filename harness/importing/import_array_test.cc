@@ -236,6 +236,8 @@ TEST(ImportArrays, FilesThatAreNotReadSayWhatTheyAre) {
        {std::pair{std::string("ARROW1____"), "an Arrow (Feather) file"},
         {std::string("PAR1____"), "a Parquet file"},
         {std::string("version https://git-lfs.github.com/spec/v1\noid sha256:4d7\n"), "Git LFS"},
+        {std::string("{\"t\": 0.5, \"fz\": 2}\n"), "is JSON"},
+        {std::string("<html><table>"), "is XML or HTML"},
         {std::string("\x1f\x8b____"), "compressed (gzip)"}}) {
     const auto path = array_file("some.bin");
     write_file(path, bytes);
