@@ -348,8 +348,8 @@ Split split_unit(std::string text) {
         words, [](const std::string& w) { return lists(frames, w) || lists(others, w) || is_number(w) || is_axis(w); });
     const bool wordy = remark && !is_foreign_unit(inside);
     if (!wordy) out.unit = inside, out.stated = true;
-    text = text.substr(0, open) + (wordy ? " " + inside + " " : " ") +
-           (close == std::string::npos ? "" : text.substr(close + 1));
+    const std::string behind = close == std::string::npos ? "" : text.substr(close + 1);
+    text = fmt::format("{} {}{}", text.substr(0, open), wordy ? inside + " " : "", behind);
   }
   for (const std::string_view sign : {" / ", "/", " in ", ", "}) {
     const auto at = text.rfind(sign);
