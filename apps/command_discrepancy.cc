@@ -58,9 +58,9 @@ ExitStatus discrepancy(DiscrepancyOptions options) {
   if (options.files.out.empty()) throw UsageError("--out: a folder for the results is needed");
   options.files.command_line = command_line();
   options.files.program = own_program();
-  const discrepancy::Findings findings = run_discrepancy(renderers::built_in_catalogue(), options.files, say);
+  const pipeline::DiscrepancyAnswer answer = run_discrepancy(renderers::built_in_catalogue(), options.files, say);
   if (!options.json.empty()) write_file(options.json, read_file(options.files.out / "findings.json"));
-  fmt::print("{}", findings_text(findings, options.files));
+  fmt::print("{}", answer.text);
   return ExitStatus::passed;
 }
 

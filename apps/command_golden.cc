@@ -67,7 +67,7 @@ ExitStatus new_case(const NewCaseOptions& options) {
   pipeline::NewCase wanted = options.made;
   wanted.models.assign(options.models.begin(), options.models.end());
   // Into the repository's own folder, which need not be there yet; never beside the bundled cases.
-  const std::filesystem::path folder = options.golden.golden;
+  const std::filesystem::path folder = pipeline::own_golden_folder(options.golden.golden);
   const pipeline::ChangeModel change = options.golden.change_model();
   const pipeline::MadeCase made = pipeline::make_case(built_in_catalogues(), folder, wanted, change);
   const pipeline::CaseCheck how{options.golden.out, false, change, std::nullopt};
@@ -127,6 +127,40 @@ void add_new_case(CLI::App& golden_command, Run& run) {
   command->callback([options, &run] { run = [options] { return new_case(*options); }; });
 }
 
+struct EditOptions {
+  std::string golden = GoldenOptions{}.golden, name, reason;
+  std::vector<std::string> limits;
+};
+
+void add_edit(CLI::App& golden_command, Run& run) {
+  auto options = std::make_shared<EditOptions>();
+  auto* const command = golden_command.add_subcommand("edit", "Change limits of a case's tolerance, with the reason");
+  command->add_option("CASE", options->name, "The case")->required();
+  command
+      ->add_option(
+          "--set", options->limits,
+          "QUANTITY.LIMIT=VALUE, as in case.json: force.atol_N=2e-5; without VALUE the limit is taken out; may be "
+          "given several times")
+      ->required();
+  command->add_option("--reason", options->reason, "Why; stands in the case")->required();
+  command->add_option("--golden", options->golden, "Folder of your golden cases")
+      ->envname("TOUCHSTONE_GOLDEN")
+      ->capture_default_str();
+  command->footer(
+      "Limits of each quantity: `touchstone formats touchstone-tolerance/1`. Goldens stay as they are.\nExample:\n"
+      "  touchstone golden edit plate-stroke --set force.atol_N=2e-5 --reason 'the solver stops at 10 uN'");
+  command->callback([options, &run] {
+    run = [options] {
+      const auto folder = pipeline::own_golden_folder(options->golden) / options->name;
+      for (const std::string& line : pipeline::edit_tolerance(folder, options->limits, options->reason))
+        fmt::print("{}\n", line);
+      fmt::print("{}: changed; see what it says now: touchstone check {}\n", (folder / "case.json").string(),
+                 options->name);
+      return ExitStatus::passed;
+    };
+  });
+}
+
 ExitStatus export_command(const GoldenCommandOptions& options) {
   const auto cases = options.golden.load();
   if (cases.size() != 1) throw UsageError("export: name one case");
@@ -151,10 +185,11 @@ ExitStatus render(const GoldenCommandOptions& options) {
 }  // namespace
 
 void add_golden(CLI::App& program, Run& run) {
-  auto* const command =
-      program.add_subcommand("golden", "Make golden cases, review and accept their results, measure their noise floor");
+  auto* const command = program.add_subcommand(
+      "golden", "Make and edit golden cases, review and accept their results, measure their noise floor");
   command->require_subcommand(1);
   add_new_case(*command, run);
+  add_edit(*command, run);
   auto options = std::make_shared<GoldenCommandOptions>();
   const auto add = [&](const char* name, const char* what, ExitStatus (*function)(const GoldenCommandOptions&)) {
     auto* const sub = command->add_subcommand(name, what);

@@ -121,7 +121,7 @@ ExitStatus live_render(const LiveRenderOptions& options) {
   if (run.ticks.size() < 2) throw BadData(fmt::format("{}: nothing was rendered: {}", identity.id, run.ended));
 
   const std::filesystem::path folder = options.out;
-  std::filesystem::create_directories(folder);
+  ensure_writable_folder(folder);
   save_recording(folder / "live.csv", hil::recording_of(run));
   const hil::LiveRendering live = hil::compare_with_replay(std::move(run), *twin, device.tripped());
   save_rendered(folder / "replayed.csv", live.replayed);

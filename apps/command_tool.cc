@@ -4,7 +4,6 @@
 #include <memory>
 #include <utility>
 
-#include "apps/command_tool_atlas.h"
 #include "apps/command_tool_fit.h"
 #include "apps/command_tool_golden.h"
 #include "apps/command_tool_scorecard.h"
@@ -344,7 +343,6 @@ void add_tool(CLI::App& program, Run& run) {
       "Exit status: 0 all passed, 1 not.\nExample:\n  touchstone tool check --renderer god-object-tool --fault "
       "torque-sign");
   check->callback([check_options, &run] { run = [check_options] { return tool_check_command(*check_options); }; });
-  add_tool_atlas(*command, run);
   add_tool_fit(*command, run);
   add_tool_golden(*command, run);
   add_tool_scorecard(*command, run);

@@ -11,7 +11,6 @@ namespace touchstone::apps {
 
 void add_acquire(CLI::App& program, Run& run);
 void add_axis(CLI::App& program, Run& run);
-void add_atlas(CLI::App& program, Run& run);
 void add_bisect(CLI::App& program, Run& run);
 void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
@@ -27,8 +26,6 @@ void add_golden(CLI::App& program, Run& run);
 void add_history(CLI::App& program, Run& run);
 void add_hil(CLI::App& program, Run& run);
 void add_evaluate(CLI::App& program, Run& run);
-void add_import(CLI::App& program, Run& run);
-void add_leaderboard(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
 void add_perceive(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
@@ -51,7 +48,6 @@ inline std::vector<AddCommand> light_commands() {
 inline std::vector<AddCommand> commands() {
   return {
       add_acquire,
-      add_atlas,
       add_axis,
       add_bisect,
       add_check,
@@ -68,8 +64,6 @@ inline std::vector<AddCommand> commands() {
       add_history,
       add_hil,
       add_evaluate,
-      add_import,
-      add_leaderboard,
       add_list,
       add_perceive,
       add_replay,

@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
+#include "apps/extra_formats.h"
 #include "harness/acquisition/file_formats.h"
 #include "harness/axis/file_formats.h"
 #include "harness/baseline/file_formats.h"
 #include "harness/bisection/file_formats.h"
 #include "harness/diagnosis/file_formats.h"
 #include "harness/discrepancy/file_formats.h"
-#include "harness/importing/file_formats.h"
 #include "harness/perception/file_formats.h"
 #include "harness/pipeline/evaluation/file_formats.h"
-#include "harness/pipeline/file_formats.h"
 #include "harness/pipeline/fitting/file_formats.h"
 #include "harness/pipeline/golden/file_formats.h"
-#include "harness/pipeline/leaderboard/file_formats.h"
 #include "harness/pipeline/sweep/file_formats.h"
 #include "harness/pipeline/tool_fitting/file_formats.h"
 #include "harness/pipeline/tool_reports/file_formats.h"
@@ -32,75 +31,29 @@
 namespace touchstone::apps {
 namespace {
 
-// Of the studies, the blind test and the program's own tools: their readers stand beside their writers.
+constexpr auto formats_fields = std::to_array<FormatField>({
+    {"formats", "list of objects", "", "one for each file"},
+    {"formats[].schema", "text", "", "its name"},
+    {"formats[].file", "text", "", "how the file is usually called"},
+    {"formats[].summary", "text", "", "a phrase"},
+    {"formats[].written_by?", "text", "", "commands"},
+    {"formats[].read_by?", "text", "", "commands"},
+    {"formats[].internal?", "flag", "", "may change with any version"},
+    {"formats[].fields?", "list of objects", "", "its keys; of an internal one, none"},
+    {"formats[].fields[].path", "text", "", "from the root, as in the tables here"},
+    {"formats[].fields[].type", "text", "", "as in the tables here"},
+    {"formats[].fields[].unit?", "text", "", "SI"},
+    {"formats[].fields[].meaning", "text", "", "a phrase"},
+    {"formats[].fields[].part?", "any", "",
+     "such fields of the object, or of each object of the list; or \"provenance\""},
+});
+
+// Of the program's own tools: their readers stand beside their writers.
 constexpr auto internal_formats = std::to_array<FileFormat>({
-    {"touchstone-atlas/1", "atlas.json", "the atlas of force shading", "`atlas`", "", {}, true},
-    {"touchstone-atlas-grid/1", "atlas.sqlite", "which cases of the atlas are stored", "`atlas`", "`atlas`", {}, true},
     {"touchstone-bench-compare/1", "FILE of compare_runs", "two runs of a benchmark", "`ci/bench`", "", {}, true},
     {"touchstone-bisection/1", "measured.jsonl", "what a bisection has measured", "`bisect`", "`bisect`", {}, true},
-    {"touchstone-blind-answers/1",
-     "answers.json",
-     "what each blind case hides",
-     "`blind make`",
-     "`blind score`",
-     {},
-     true},
-    {"touchstone-blind-cases/1", "cases.sqlite", "which blind cases are stored", "`blind`", "`blind`", {}, true},
-    {"touchstone-blind-score/1",
-     "FILE of `blind score --json`",
-     "what was named rightly",
-     "`blind score`",
-     "",
-     {},
-     true},
-    {"touchstone-density-experiment/1",
-     "density.json",
-     "meshes of many densities",
-     "`experiment density`",
-     "",
-     {},
-     true},
-    {"touchstone-experiment-voxel/1", "voxel.json", "grids of many resolutions", "`experiment voxel`", "", {}, true},
-    {"touchstone-friction-experiment/1",
-     "friction.json",
-     "friction fitted to a scan",
-     "`experiment friction`",
-     "",
-     {},
-     true},
-    {"touchstone-indentation/1", "indentation.json", "a real indentation", "`experiment indentation`", "", {}, true},
-    {"touchstone-palpation/1", "palpation.json", "real palpations", "`experiment palpation`", "", {}, true},
-    {"touchstone-paper/1",
-     "FILE of `experiment paper --json`",
-     "the published evaluation",
-     "`experiment paper`",
-     "",
-     {},
-     true},
-    {"touchstone-perception-bench/2",
-     "perception-bench.json",
-     "methods against published answers",
-     "`experiment perception`",
-     "",
-     {},
-     true},
-    {"touchstone-renderer-cost/1", "cost.json", "operations of every renderer", "`experiment cost`", "", {}, true},
-    {"touchstone-seeds/1",
-     "seeds.sqlite",
-     "which seeds of an experiment are stored",
-     "`experiment`",
-     "`experiment`",
-     {},
-     true},
-    {"touchstone-springs/1", "springs.json", "springs judged by observers", "`experiment springs`", "", {}, true},
-    {"touchstone-tool-atlas/1", "atlas.json", "the atlas of tools with a shape", "`tool atlas`", "", {}, true},
-    {"touchstone-tool-atlas-grid/1",
-     "atlas.sqlite",
-     "which cases of that atlas are stored",
-     "`tool atlas`",
-     "`tool atlas`",
-     {},
-     true},
+    {"touchstone-formats/1", "share/touchstone/formats/NAME.json", "the files that an extra reads and writes", "",
+     "`formats`", formats_fields, true},
 });
 
 }  // namespace
@@ -113,13 +66,10 @@ std::vector<const FileFormat*> file_formats() {
                                                     pipeline::evaluation_file_formats(),
                                                     discrepancy::file_formats(),
                                                     perception::file_formats(),
-                                                    pipeline::leaderboard_file_formats(),
-                                                    pipeline::submission_file_formats(),
                                                     diagnosis::file_formats(),
                                                     baseline::file_formats(),
                                                     pipeline::golden_floor_file_formats(),
                                                     pipeline::fitting_file_formats(),
-                                                    importing::file_formats(),
                                                     acquisition::file_formats(),
                                                     axis::file_formats(),
                                                     pipeline::sweep_file_formats(),
@@ -135,6 +85,7 @@ std::vector<const FileFormat*> file_formats() {
                                                     std::span<const FileFormat>(internal_formats)}) {
     for (const FileFormat& format : of_room) all.push_back(&format);
   }
+  std::ranges::copy(extra_formats(), std::back_inserter(all));
   std::ranges::stable_sort(all, std::ranges::less{}, &FileFormat::internal);
   return all;
 }

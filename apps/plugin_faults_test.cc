@@ -39,6 +39,13 @@ std::set<std::string> failing_tests(const std::string& fault, const std::string&
     }
   }
   EXPECT_EQ(suite.status, failed.empty() ? 0 : 1) << suite.out;
+  // An author reads what was pressed, what came, and what may be declared; not an expression of the suite's.
+  EXPECT_EQ(suite.out.find("Value of:"), std::string::npos) << suite.out;
+  EXPECT_EQ(suite.out.find("Expected: ("), std::string::npos) << suite.out;
+  if (!failed.empty()) {
+    EXPECT_THAT(suite.out,
+                ::testing::AnyOf(::testing::HasSubstr(" declares \""), ::testing::HasSubstr("no ability covers this")));
+  }
   for (const char* const golden : {"plane-taps", "sphere-scan"}) {
     const Outcome check =
         run(fmt::format("{} check {} --model spring-linear --renderer penalty-in-c --plugin {} --golden {} --out '{}'",

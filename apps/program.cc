@@ -6,12 +6,15 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <system_error>
 
 #include "apps/extras.h"
+#include "harness/base/bundled_files.h"
 #include "harness/base/half_files.h"
 #include "harness/base/input_files.h"
 #include "harness/base/known_names.h"
@@ -40,8 +43,12 @@ const CLI::App* named_command(const CLI::App& program, int argc, char** argv) {
     auto names = names_of_commands(*app);
     if (names.empty()) break;
     if (std::ranges::find(names, argv[i]) == names.end()) {
+      // `touchstone tool atlas` may be touchstone-tool-atlas.
+      const std::string name = i == 1 ? argv[1] : fmt::format("{}-{}", argv[1], argv[2]);
+      if (i <= 2) {
+        if (const auto extra = find_extra(name)) become_extra(*extra, argv + i + 1);
+      }
       if (i == 1) {
-        if (const auto extra = find_extra(argv[i])) become_extra(*extra, argv + 2);
         for (const Extra& extra : find_extras(names)) names.push_back(extra.name);
       }
       throw UsageError(unknown_name("command", argv[i], names));
@@ -74,6 +81,18 @@ std::string listed_extras(const CLI::App& program) {
   return out;
 }
 
+// Runs what was chosen; a folder that it made and left empty stays only where it passed.
+ExitStatus run_chosen(const Run& chosen) {
+  try {
+    const ExitStatus status = chosen();
+    remove_empty_made_folders(status == ExitStatus::passed);
+    return status;
+  } catch (...) {
+    remove_empty_made_folders();
+    throw;
+  }
+}
+
 int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
   CLI::App program{
       "Touchstone tells whether a haptic renderer is right: it replays measured probe trajectories through "
@@ -97,7 +116,7 @@ int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
     const int status = program.exit(error);
     return status == 0 ? 0 : static_cast<int>(ExitStatus::usage);
   }
-  return static_cast<int>(chosen());
+  return static_cast<int>(run_chosen(chosen));
 }
 
 int lost_output() {
@@ -128,7 +147,7 @@ ExitStatus run_words(const std::vector<std::string>& words, const std::vector<Ad
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
   }
-  return chosen();
+  return run_chosen(chosen);
 }
 
 int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) {
@@ -156,6 +175,19 @@ int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) 
     fmt::print(stderr, "touchstone: internal error, please report it: {}\n", error.what());
     return 70;
   }
+}
+
+int run_extra(int argc, char** argv, const std::vector<AddCommand>& commands) {
+  const char* const started_by = std::getenv("TOUCHSTONE_PROGRAM");
+  std::error_code error;
+  const std::filesystem::path beside =
+      std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "touchstone";
+  search_bundled_above(started_by != nullptr ? std::filesystem::path(started_by) : beside);
+  std::string called = std::filesystem::path(argc > 0 ? argv[0] : "").filename().string();
+  std::vector<char*> words(argv, argv + argc);
+  if (called.starts_with("touchstone-")) words.insert(words.begin() + 1, called.data() + called.find('-') + 1);
+  words.push_back(nullptr);
+  return run_program(static_cast<int>(words.size()) - 1, words.data(), commands);
 }
 
 }  // namespace touchstone::apps

@@ -15,4 +15,8 @@ ExitStatus run_words(const std::vector<std::string>& words, const std::vector<Ad
 
 int run_program(int argc, char** argv, const std::vector<AddCommand>& commands);
 
+// The same for an extra, whose name is the command (apps/extras.h): touchstone-blind runs `blind`. Bundled files and
+// the program that runs again are those of the `touchstone` that started it, else of the one beside it.
+int run_extra(int argc, char** argv, const std::vector<AddCommand>& commands);
+
 }  // namespace touchstone::apps

@@ -131,18 +131,18 @@ TEST_F(RecordingGate, NoOutputTakesThePlaceOfAnInput) {
 TEST_F(RecordingGate, AFileIsImportedWithoutAMapIfNothingIsInDoubt) {
   const Outcome shown = run("import good.csv");
   EXPECT_EQ(shown.status, 0) << shown.err;
-  EXPECT_THAT(shown.out, AllOf(HasSubstr("2000 samples over 9.995 s, 200 Hz"), HasSubstr("fz_N <- fz_N"),
+  EXPECT_THAT(shown.out, AllOf(HasSubstr("2000 samples"), HasSubstr("9.995 s at 200 Hz"), HasSubstr("\nfz_N      fz_N"),
                                HasSubstr("nothing is in doubt")));
   EXPECT_EQ(run("import good.csv --yes --out same.csv").status, 0);
   EXPECT_EQ(run("compare good.csv same.csv").status, 0);
   EXPECT_EQ(run("import good.csv --yes").status, 2);
   EXPECT_EQ(run("import good.csv --out same.csv").status, 2);
-  // What is assumed is shown though it is in no doubt.
+  // What is assumed is shown, and what must be asked.
   std::string pressed = "t,x,y,z,Load (N)\n";
   for (int i = 0; i < 40; ++i) pressed += fmt::format("{},0.01,0.02,{},{}\n", 0.01 * i, 0.001 * (i % 9), i % 5);
   write_file(folder_ / "pressed.csv", pressed);
   EXPECT_THAT(run("import pressed.csv").out,
-              AllOf(HasSubstr("assumed: fz_N <- Load (N)"), HasSubstr("assumed: x_m, y_m, z_m: no unit is named")));
+              AllOf(HasSubstr("in doubt: fz_N ('Load (N)')"), HasSubstr("assumed: x_m, y_m, z_m: no unit is named")));
   const Outcome reversed = run("import reversed.csv --yes --out r.csv");
   EXPECT_EQ(reversed.status, 3) << reversed.out;
   EXPECT_THAT(reversed.out, HasSubstr("\"force_sign\": -1"));

@@ -2,6 +2,7 @@
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/touchstone)
 set(TOUCHSTONE_INSTALL_DATADIR ${CMAKE_INSTALL_DATADIR}/touchstone)
+set(TOUCHSTONE_INTERNALS_DIR ${CMAKE_INSTALL_INCLUDEDIR}/touchstone-internals)
 
 # What each room needs, for the components of the package.
 get_property(rooms GLOBAL PROPERTY TOUCHSTONE_ROOMS)
@@ -22,10 +23,15 @@ endforeach()
 
 install(EXPORT touchstoneTargets NAMESPACE touchstone:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/touchstoneConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfig.cmake
-  INSTALL_DESTINATION ${package_dir} PATH_VARS TOUCHSTONE_INSTALL_DATADIR)
+  INSTALL_DESTINATION ${package_dir} PATH_VARS TOUCHSTONE_INSTALL_DATADIR TOUCHSTONE_INTERNALS_DIR)
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfigVersion.cmake
-  cmake/touchstoneDependencies.cmake cmake/TouchstoneRendererTests.cmake DESTINATION ${package_dir})
+  cmake/touchstoneDependencies.cmake cmake/TouchstoneExtra.cmake cmake/TouchstoneRendererTests.cmake DESTINATION ${package_dir})
+
+# The headers that are installed and promised, for the test ci.doors.
+get_property(doors GLOBAL PROPERTY TOUCHSTONE_DOORS)
+list(JOIN doors "\n" doors)
+file(WRITE ${PROJECT_BINARY_DIR}/doors.txt "${doors}\n")
 
 # What a whole package holds, for TouchstoneInstallGuard.cmake.
 set(artefacts "")
@@ -44,7 +50,6 @@ file(GENERATE OUTPUT ${TOUCHSTONE_INSTALLED_FILES} CONTENT "${artefacts}")
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/touchstone)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/golden ${PROJECT_BINARY_DIR}/share/touchstone/golden SYMBOLIC)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/synthetic/bundled ${PROJECT_BINARY_DIR}/share/touchstone/datasets SYMBOLIC)
-file(CREATE_LINK ${PROJECT_SOURCE_DIR}/harness/importing/maps ${PROJECT_BINARY_DIR}/share/touchstone/import SYMBOLIC)
 
 # Found at run time from where the program stands (harness/base/bundled_files.h). What the reports need of scripts and
 # styles is inside the program.

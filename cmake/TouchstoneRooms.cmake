@@ -123,14 +123,32 @@ function(touchstone_room_label variable)
   set(${variable} "room/${folder}" PARENT_SCOPE)
 endfunction()
 
-# touchstone_add_room(<name> SOURCES a.cc... [HEADERS a.h...] [PRIVATE_HEADERS a.h...] [DEPENDS room...] [LIBS target...]
-#                     [PRIVATE_LIBS target...] [ALONE] [COLD])
+# touchstone_install_headers(<folder below include> <component> header.h...): by their paths from the top of the tree.
+function(touchstone_install_headers below component)
+  foreach(header IN LISTS ARGN)
+    cmake_path(ABSOLUTE_PATH header NORMALIZE OUTPUT_VARIABLE file)
+    cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE path)
+    cmake_path(GET path PARENT_PATH folder)
+    set(where DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${below}/${folder} COMPONENT ${component})
+    if(component STREQUAL "internals")
+      list(APPEND where EXCLUDE_FROM_ALL)
+    endif()
+    install(FILES ${file} ${where})
+    if(NOT component STREQUAL "internals")
+      set_property(GLOBAL APPEND PROPERTY TOUCHSTONE_DOORS ${path})
+    endif()
+  endforeach()
+endfunction()
+
+# touchstone_add_room(<name> SOURCES a.cc... [DOORS a.h...] [HEADERS a.h...] [PRIVATE_HEADERS a.h...] [DEPENDS room...]
+#                     [LIBS target...] [PRIVATE_LIBS target...] [ALONE] [COLD])
 # COLD: see touchstone_precompiled. ALONE: each file is a unit of its own, without the rooms' precompiled header.
 # Makes the static library touchstone_<name> with alias touchstone::<name>. Headers are included by their path from the top
-# of the tree: HEADERS by what links the room, and they are installed, and checked for self-containment by the target
-# all_verify_interface_header_sets; PRIVATE_HEADERS by the room's own sources alone.
+# of the tree. DOORS and HEADERS by what links the room: DOORS are for everybody, installed and promised (ci/doors); HEADERS
+# are for the rooms of this tree and, installed apart as the component `internals`, for its extras. PRIVATE_HEADERS by the
+# room's own sources alone. all_verify_interface_header_sets compiles each door and header alone.
 function(touchstone_add_room name)
-  cmake_parse_arguments(ARG "ALONE;COLD" "" "SOURCES;HEADERS;PRIVATE_HEADERS;DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE;COLD" "" "SOURCES;DOORS;HEADERS;PRIVATE_HEADERS;DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
   set(target touchstone_${name})
   # For the package: what find_package must find for those who want this room (TouchstoneInstall.cmake).
   set_property(GLOBAL APPEND PROPERTY TOUCHSTONE_ROOMS ${name})
@@ -159,7 +177,7 @@ function(touchstone_add_room name)
   endif()
   add_library(touchstone::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
-  touchstone_wall(${target} ${scope} ${ARG_HEADERS})
+  touchstone_wall(${target} ${scope} ${ARG_DOORS} ${ARG_HEADERS})
   if(ARG_PRIVATE_HEADERS)
     touchstone_wall(${target} PRIVATE ${ARG_PRIVATE_HEADERS})
   endif()
@@ -173,17 +191,14 @@ function(touchstone_add_room name)
   endif()
   install(TARGETS ${target} EXPORT touchstoneTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/touchstone)
-  foreach(header IN LISTS ARG_HEADERS)
-    cmake_path(ABSOLUTE_PATH header NORMALIZE OUTPUT_VARIABLE file)
-    cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE path)
-    cmake_path(GET path PARENT_PATH folder)
-    install(FILES ${file} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/touchstone/${folder})
-  endforeach()
+  touchstone_install_headers(touchstone development ${ARG_DOORS})
+  touchstone_install_headers(touchstone-internals internals ${ARG_HEADERS})
   # Not in the package: what all_verify_interface_header_sets compiles, each header alone.
-  if(ARG_HEADERS)
+  set(headers ${ARG_DOORS} ${ARG_HEADERS})
+  if(headers)
     add_library(${target}_headers INTERFACE EXCLUDE_FROM_ALL)
-    list(TRANSFORM ARG_HEADERS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
-    target_sources(${target}_headers INTERFACE FILE_SET HEADERS BASE_DIRS ${CMAKE_CURRENT_SOURCE_DIR} FILES ${ARG_HEADERS})
+    list(TRANSFORM headers PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+    target_sources(${target}_headers INTERFACE FILE_SET HEADERS BASE_DIRS ${CMAKE_CURRENT_SOURCE_DIR} FILES ${headers})
     target_link_libraries(${target}_headers INTERFACE ${target})
   endif()
 endfunction()

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/base/known_names.h"
 
 namespace touchstone::synthetic {
 
@@ -19,9 +20,9 @@ ParameterValues::ParameterValues(std::string owner, std::span<const Parameter> d
     const auto found =
         std::find_if(declared.begin(), declared.end(), [&](const Parameter& p) { return p.name == name; });
     if (found == declared.end()) {
-      std::string known;
-      for (const Parameter& p : declared) known += (known.empty() ? "" : ", ") + p.name;
-      refuse(fmt::format("has no parameter '{}'; it has: {}", name, known.empty() ? "none" : known));
+      std::vector<std::string> known;
+      for (const Parameter& p : declared) known.push_back(p.name);
+      refuse(unknown_name("parameter", name, known));
     }
     if (!(value >= found->minimum && value <= found->maximum)) {
       refuse(fmt::format("{} = {} {} is outside [{}, {}] ({})", name, value, found->unit, found->minimum,

@@ -14,6 +14,8 @@
 #include "apps/program.h"
 #include "apps/python/module.h"
 #include "harness/base/input_files.h"
+#include "leaderboard_command.h"
+#include "study_commands.h"
 
 namespace touchstone::apps::python {
 namespace {
@@ -62,6 +64,13 @@ class ProtectedInputs {
   ProtectedInputs& operator=(const ProtectedInputs&) = delete;
 };
 
+// The program's, and those of the extras that have a function of the package.
+std::vector<AddCommand> all_commands() {
+  std::vector<AddCommand> all = commands();
+  all.insert(all.end(), {studies::add_atlas, board::add_leaderboard});
+  return all;
+}
+
 // Exit status and standard output of a command of the program, run in this process.
 std::pair<int, std::string> run_command(const std::vector<std::string>& words) {
   return LongWork::call([&] {
@@ -69,7 +78,7 @@ std::pair<int, std::string> run_command(const std::vector<std::string>& words) {
     const std::lock_guard lock(one_at_a_time);
     const ProtectedInputs inputs;
     const PrintedText printed;
-    const ExitStatus status = run_words(words, commands());
+    const ExitStatus status = run_words(words, all_commands());
     return std::pair(static_cast<int>(status), printed.text());
   });
 }
@@ -108,7 +117,7 @@ void describe(const CLI::App& parent, const std::string& prefix, py::dict& out) 
 py::dict describe_commands() {
   CLI::App program{"", "touchstone"};
   Run unused;
-  for (const auto add : commands()) add(program, unused);
+  for (const auto add : all_commands()) add(program, unused);
   py::dict out;
   describe(program, "", out);
   return out;

@@ -15,16 +15,16 @@
 #include "blind/blind_follow.h"
 #include "blind/blind_score.h"
 #include "blind/blind_table.h"
-#include "commands.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/progress.h"
 #include "harness/pipeline/discrepancy/workflow.h"
+#include "hidden_physics/weaken.h"
+#include "hidden_physics/write_case.h"
 #include "renderers/catalogue.h"
-#include "synthetic/blind/weaken.h"
-#include "synthetic/blind/write_case.h"
+#include "study_commands.h"
 
 namespace touchstone::studies {
 namespace {
@@ -70,26 +70,26 @@ ExitStatus make(const BlindOptions& options) {
     throw UsageError(
         "--strength: with --set one, one-noisy, two, three or unknown alone; the others hide no effect to be found");
   }
-  std::vector<synthetic::BlindCase> plans;
-  for (const std::string& set : synthetic::blind_sets()) {
+  std::vector<hidden_physics::BlindCase> plans;
+  for (const std::string& set : hidden_physics::blind_sets()) {
     if (!options.sets.empty() && std::find(options.sets.begin(), options.sets.end(), set) == options.sets.end())
       continue;
     const auto shared =
         static_cast<std::size_t>(std::ceil(options.share * static_cast<double>(blind::blind_full_count().at(set))));
     const std::size_t count = options.count > 0 ? options.count : shared;
     for (std::size_t i = 0; i < count; ++i) {
-      plans.push_back(synthetic::plan_case(set, options.first + i, options.seed));
-      if (options.strength < 1.0) synthetic::weaken(plans.back(), options.strength);
+      plans.push_back(hidden_physics::plan_case(set, options.first + i, options.seed));
+      if (options.strength < 1.0) hidden_physics::weaken(plans.back(), options.strength);
     }
   }
   // In the order of their opaque names, so that the order tells nothing.
   std::sort(plans.begin(), plans.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-  const std::string answers = synthetic::answers_to_json(plans, options.seed);
+  const std::string answers = hidden_physics::answers_to_json(plans, options.seed);
   fmt::print("answers: {} cases, SHA-256 {}\n", plans.size(), sha256(answers));
   ensure_writable_folder(options.out / "cases");
   Progress progress("blind cases", plans.size());
   for (std::size_t i = 0; i < plans.size(); ++i) {
-    synthetic::write_case(plans[i], options.out / "cases");
+    hidden_physics::write_case(plans[i], options.out / "cases");
     progress.update(i + 1);
   }
   write_file(options.out / "answers.json", answers);
@@ -124,12 +124,12 @@ void search_case(const std::filesystem::path& folder, const std::filesystem::pat
   files.out = out;
   files.command_line = apps::command_line();
   files.program = own_program();
-  const discrepancy::Findings findings =
+  const pipeline::DiscrepancyAnswer answer =
       run_discrepancy(renderers::built_in_catalogue(), files, [](const std::string&) {});
   std::string names;
-  for (const discrepancy::FoundEffect& effect : findings.search.found) names += " " + effect.name;
+  for (const std::string& effect : answer.effects) names += " " + effect;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("{} {}{} ({:.0f} s)\n", folder.filename().string(), to_string(findings.verdict), names, seconds);
+  fmt::print("{} {}{} ({:.0f} s)\n", folder.filename().string(), to_string(answer.verdict), names, seconds);
 }
 
 ExitStatus run_cases(BlindOptions options) {

@@ -8,7 +8,6 @@
 #include "apps/plugin_flags.h"
 #include "command_experiment_paper.h"
 #include "command_experiment_scan.h"
-#include "commands.h"
 #include "experiments/indentation_page.h"
 #include "experiments/palpation_page.h"
 #include "experiments/peer_comparison.h"
@@ -25,6 +24,7 @@
 #include "harness/report/page_html.h"
 #include "harness/report/page_markdown.h"
 #include "seeded_command.h"
+#include "study_commands.h"
 
 namespace touchstone::studies {
 using report::Provenance;

@@ -131,9 +131,8 @@ void hide_from_git(const std::filesystem::path& folder) {
 }
 
 void ensure_writable_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!error && std::filesystem::is_directory(folder, error)) {
+  const std::error_code error = make_folders(folder);
+  if (!error) {
     AtomicFile probe(folder / "probe");
     if (std::ofstream(probe.path()).good()) return;
   }

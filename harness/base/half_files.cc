@@ -6,6 +6,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstring>
+#include <vector>
 
 namespace touchstone {
 namespace {
@@ -19,19 +20,10 @@ struct Slot {
   std::atomic<int> state = unused;
   std::array<char, longest_path> path{};
 };
-std::array<Slot, most_files> slots;
+using Slots = std::array<Slot, most_files>;
+Slots files, folders;
 
-extern "C" void remove_and_end(int signal) {
-  for (const Slot& slot : slots) {
-    if (slot.state == registered) ::unlink(slot.path.data());
-  }
-  std::signal(signal, SIG_DFL);
-  std::raise(signal);
-}
-
-}  // namespace
-
-void add_half_file(const std::filesystem::path& path) noexcept {
+void add(Slots& slots, const std::filesystem::path& path) noexcept {
   static_assert(std::atomic<int>::is_always_lock_free);
   const auto& text = path.native();
   if (text.size() >= longest_path) return;
@@ -44,9 +36,54 @@ void add_half_file(const std::filesystem::path& path) noexcept {
   }
 }
 
+extern "C" void remove_and_end(int signal) {
+  for (const Slot& slot : files) {
+    if (slot.state == registered) ::unlink(slot.path.data());
+  }
+  // The deepest were added last; rmdir() leaves what is not empty.
+  for (auto slot = folders.rbegin(); slot != folders.rend(); ++slot) {
+    if (slot->state == registered) ::rmdir(slot->path.data());
+  }
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+}  // namespace
+
+void add_half_file(const std::filesystem::path& path) noexcept { add(files, path); }
+
 void drop_half_file(const std::filesystem::path& path) noexcept {
-  for (Slot& slot : slots) {
+  for (Slot& slot : files) {
     if (slot.state == registered && path.native() == slot.path.data()) slot.state = unused;
+  }
+}
+
+std::error_code make_folders(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  std::vector<fs::path> missing;
+  for (fs::path at = folder; !at.empty() && !fs::exists(at, error); at = at.parent_path()) {
+    if (at.has_filename()) missing.push_back(at);
+  }
+  fs::create_directories(folder, error);
+  if (error) return error;
+  if (!fs::is_directory(folder, error)) return std::make_error_code(std::errc::not_a_directory);
+  for (auto made = missing.rbegin(); made != missing.rend(); ++made) add(folders, fs::absolute(*made));
+  return {};
+}
+
+void remove_empty_made_folders(bool keep) noexcept {
+  namespace fs = std::filesystem;
+  for (auto slot = folders.rbegin(); slot != folders.rend(); ++slot) {
+    if (slot->state != registered) continue;
+    const fs::path folder = slot->path.data();
+    std::error_code error;
+    fs::directory_iterator entry(folder, error);
+    if (!keep && !error && entry != fs::directory_iterator() && entry->path().filename() == ".gitignore" &&
+        ++entry == fs::directory_iterator())
+      ::unlink((folder / ".gitignore").c_str());
+    if (!keep) ::rmdir(folder.c_str());
+    slot->state = unused;
   }
 }
 

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/atomic_file.h"
@@ -28,7 +30,98 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
   return fmt::format("line {}, column {}", line, column);
 }
 
+// Counts the lines that a parser has read.
+struct LineCounter {
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+  const char* at = nullptr;
+  std::size_t* line = nullptr;
+
+  reference operator*() const { return *at; }
+  LineCounter& operator++() {
+    if (*at++ == '\n') ++*line;
+    return *this;
+  }
+  bool operator==(const LineCounter& other) const { return at == other.at; }
+};
+
+// The line of one key or element, by its place; stops there.
+class LineFinder : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  LineFinder(std::string place, const std::size_t* line) : wanted_(std::move(place)), line_(line) {}
+  [[nodiscard]] std::size_t found() const { return found_; }
+
+  bool null() override { return element(); }
+  bool boolean(bool) override { return element(); }
+  bool number_integer(number_integer_t) override { return element(); }
+  bool number_unsigned(number_unsigned_t) override { return element(); }
+  bool number_float(number_float_t, const string_t&) override { return element(); }
+  bool string(string_t&) override { return element(); }
+  bool binary(binary_t&) override { return element(); }
+  bool start_object(std::size_t) override { return open(false); }
+  bool start_array(std::size_t) override { return open(true); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(string_t& name) override {
+    levels_.back().last = name;
+    return note();
+  }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
+
+ private:
+  struct Level {
+    bool list = false;
+    std::size_t elements = 0;
+    std::string last;
+  };
+  bool note() {
+    std::string place;
+    for (const Level& level : levels_) place += "/" + level.last;
+    if (place == wanted_) found_ = *line_;
+    return found_ == 0;
+  }
+  bool element() {
+    if (levels_.empty() || !levels_.back().list) return true;
+    levels_.back().last = std::to_string(levels_.back().elements++);
+    return note();
+  }
+  bool open(bool list) {
+    const bool on = element();
+    levels_.push_back({list, 0, ""});
+    return on;
+  }
+  bool close() {
+    levels_.pop_back();
+    return true;
+  }
+
+  std::string wanted_;
+  const std::size_t* line_;
+  std::size_t found_ = 0;
+  std::vector<Level> levels_;
+};
+
 }  // namespace
+
+std::string line_in_file(const std::string& source, const std::string& place) {
+  const std::size_t within = std::min(source.find(": /"), source.size());
+  const std::string file = source.substr(0, within);
+  const std::string whole = (within == source.size() ? "" : source.substr(within + 2)) + place;
+  std::error_code error;
+  if (whole.empty() || !std::filesystem::is_regular_file(file, error)) return {};
+  std::size_t line = 1;
+  LineFinder finder(whole, &line);
+  try {
+    const std::string text = read_file(file);
+    nlohmann::json::sax_parse(LineCounter{text.data(), &line}, LineCounter{text.data() + text.size(), &line}, &finder);
+  } catch (const std::exception&) {
+    return {};
+  }
+  return finder.found() == 0 ? "" : fmt::format(" (line {})", finder.found());
+}
 
 nlohmann::json load_json(const std::filesystem::path& path) {
   note_input_file(path);
@@ -76,9 +169,16 @@ const nlohmann::json& JsonObject::raw(std::string_view key) {
   if (found == value_->end()) {
     std::vector<std::string> unread = keys();
     std::erase_if(unread, [&](const std::string& name) { return read_.contains(name); });
-    const std::string meant = closest_name(key, unread);
-    fail(fmt::format("the key \"{}\" is missing{}; present: {}", key,
-                     meant.empty() ? "" : fmt::format("; is \"{}\" meant to be it?", meant), fmt::join(keys(), ", ")));
+    // Where one of two keys may stand, the other may be the misspelt one.
+    for (const std::string& name : unread) {
+      for (const std::string& asked : asked_) {
+        if (!value_->contains(asked) && is_one_slip(name, asked)) refuse_unread(name);
+      }
+    }
+    std::string meant = closest_name(key, unread);
+    if (!meant.empty())
+      meant = fmt::format("; is \"{}\"{} meant to be it?", meant, line_in_file(source_, place_ + "/" + meant));
+    fail(fmt::format("the key \"{}\" is missing{}; present: {}", key, meant, fmt::join(keys(), ", ")));
   }
   read_.emplace(key);
   return *found;
@@ -138,19 +238,24 @@ std::optional<bool> JsonObject::optional_flag(std::string_view key) {
   return value.get<bool>();
 }
 
+std::string JsonObject::text_of_all() const { return value_->dump(); }
+
 std::vector<std::string> JsonObject::keys() const {
   std::vector<std::string> names;
   for (const auto& item : value_->items()) names.push_back(item.key());
   return names;
 }
 
+void JsonObject::refuse_unread(const std::string& key) const {
+  const std::string meant = closest_name(key, {asked_.begin(), asked_.end()});
+  throw BadData(fmt::format("{}: {}: nothing reads the key \"{}\"{}; {}the keys understood here are: {}", source_,
+                            place_.empty() ? "/" : place_, key, line_in_file(source_, place_ + "/" + key),
+                            meant.empty() ? "" : fmt::format("did you mean \"{}\"? ", meant), fmt::join(asked_, ", ")));
+}
+
 void JsonObject::finish() const {
   for (const auto& key : keys()) {
-    if (!read_.contains(key)) {
-      const std::string meant = closest_name(key, {asked_.begin(), asked_.end()});
-      fail(fmt::format("nothing reads the key \"{}\"; {}the keys understood here are: {}", key,
-                       meant.empty() ? "" : fmt::format("did you mean \"{}\"? ", meant), fmt::join(asked_, ", ")));
-    }
+    if (!read_.contains(key)) refuse_unread(key);
   }
 }
 
@@ -160,11 +265,13 @@ void JsonObject::schema(std::string_view expected) {
 }
 
 void JsonObject::fail(std::string_view message) const {
-  throw BadData(fmt::format("{}: {}: {}", source_, place_.empty() ? "/" : place_, message));
+  throw BadData(
+      fmt::format("{}: {}: {}{}", source_, place_.empty() ? "/" : place_, message, line_in_file(source_, place_)));
 }
 
 void JsonObject::fail_at(std::string_view key, std::string_view message) const {
-  throw BadData(fmt::format("{}: {}/{}: {}", source_, place_, key, message));
+  const std::string place = fmt::format("{}/{}", place_, key);
+  throw BadData(fmt::format("{}: {}: {}{}", source_, place, message, line_in_file(source_, place)));
 }
 
 }  // namespace touchstone

@@ -11,6 +11,7 @@ TEST(KnownNames, FindsSlipsAndNoFarFetchedOnes) {
   EXPECT_EQ(closest_name("god-objekt", known), "god-object");
   EXPECT_EQ(closest_name("godobject", known), "god-object");
   EXPECT_EQ(closest_name("pen", known), "penalty");
+  EXPECT_EQ(closest_name("txet", {"test", "text", "rest"}), "text");
   EXPECT_EQ(closest_name("spring", known), "");
   EXPECT_EQ(closest_name("", known), "");
 }

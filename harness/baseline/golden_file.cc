@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <tuple>
 #include <vector>
 
 #include "harness/base/error.h"
@@ -24,8 +25,7 @@ class PartFile {
  public:
   explicit PartFile(const fs::path& target) : target_(target) {
     path_ = target.parent_path() / fmt::format(".{}.{}.part.h5", target.stem().string(), ::getpid());
-    std::error_code ignored;
-    fs::create_directories(target.parent_path(), ignored);
+    std::ignore = make_folders(target.parent_path());  // what fails is said when the file is written
     add_half_file(path_);
   }
   ~PartFile() {

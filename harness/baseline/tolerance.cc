@@ -45,13 +45,14 @@ void read_group(JsonObject object, const ComparedQuantity& group, Tolerance& tol
     if (group.size() == 3) {
       read_limit(object, "direction_rad", limits.direction_rad);
       read_limit(object, with_unit("direction_floor"), limits.direction_floor);
-      if (limits.direction_rad && !(limits.direction_floor > 0.0)) {
-        object.fail_at("direction_rad", fmt::format("needs {} above 0: the direction of a tiny vector is noise",
-                                                    with_unit("direction_floor")));
-      }
     }
   }
   object.finish();
+  if (limits.direction_rad && !(limits.direction_floor > 0.0)) {
+    object.fail_at(
+        "direction_rad",
+        fmt::format("needs direction_floor_{} above 0: the direction of a tiny vector is noise", group.unit));
+  }
 }
 
 }  // namespace

@@ -17,32 +17,6 @@
 
 namespace touchstone::plugin::export_parts {
 
-inline const char* name_of(rendering::Ability ability) {
-  switch (ability) {
-    case rendering::Ability::thin_shells:
-      return "thin_shells";
-    case rendering::Ability::large_jumps:
-      return "large_jumps";
-    case rendering::Ability::start_inside:
-      return "start_inside";
-    case rendering::Ability::continuous_force:
-      return "continuous_force";
-    case rendering::Ability::rigid_motion:
-      return "rigid_motion";
-    case rendering::Ability::unit_scale:
-      return "unit_scale";
-    case rendering::Ability::passive:
-      return "passive";
-    case rendering::Ability::surface_contact:
-      return "surface_contact";
-    case rendering::Ability::ball_tip:
-      return "ball_tip";
-    case rendering::Ability::analytic_surface:
-      return "analytic_surface";
-  }
-  return "?";
-}
-
 inline surface::TriangleMesh mesh_of(const touchstone2_mesh& given) {
   surface::TriangleMesh mesh;
   mesh.source = "the program's mesh";
@@ -67,7 +41,8 @@ std::vector<touchstone_parameter> parameters_of(const Entry& entry) {
 }
 inline std::vector<touchstone_limitation> limitations_of(const std::vector<rendering::Limitation>& cannot) {
   std::vector<touchstone_limitation> out;
-  for (const rendering::Limitation& limit : cannot) out.push_back({name_of(limit.ability), limit.reason.c_str()});
+  for (const rendering::Limitation& limit : cannot)
+    out.push_back({ability_name(limit.ability).data(), limit.reason.c_str()});
   return out;
 }
 

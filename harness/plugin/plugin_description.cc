@@ -1,9 +1,9 @@
 #include "harness/plugin/plugin_description.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -15,19 +15,6 @@ using rendering::Ability;
 using rendering::ParameterDeclaration;
 
 namespace {
-
-constexpr std::array<std::pair<std::string_view, Ability>, 10> kAbilities{{
-    {"thin_shells", Ability::thin_shells},
-    {"large_jumps", Ability::large_jumps},
-    {"start_inside", Ability::start_inside},
-    {"continuous_force", Ability::continuous_force},
-    {"rigid_motion", Ability::rigid_motion},
-    {"unit_scale", Ability::unit_scale},
-    {"passive", Ability::passive},
-    {"surface_contact", Ability::surface_contact},
-    {"ball_tip", Ability::ball_tip},
-    {"analytic_surface", Ability::analytic_surface},
-}};
 
 // More than any renderer has; a count beyond it is memory that is none.
 constexpr std::size_t most_entries = 1000;
@@ -183,14 +170,12 @@ std::vector<rendering::Limitation> limitations_of(const PluginDescription& descr
   std::vector<rendering::Limitation> out;
   for (const auto& [ability, reason] : description.limitations) {
     if (description.version == TOUCHSTONE_PLUGIN_VERSION_2 && ability == several_bodies) continue;
-    const auto* const found = std::ranges::find(kAbilities, ability, &std::pair<std::string_view, Ability>::first);
-    if (found == kAbilities.end()) {
-      std::string known;
-      for (const auto& [name, ignored] : kAbilities) known += fmt::format(" {}", name);
-      throw BadData(fmt::format("{}: renderer {}: there is no ability \"{}\"; there are:{}", library.string(),
-                                description.name, ability, known));
+    const auto* const found = std::ranges::find(rendering::ability_names, ability);
+    if (found == rendering::ability_names.end()) {
+      throw BadData(fmt::format("{}: renderer {}: there is no ability \"{}\"; there are: {}", library.string(),
+                                description.name, ability, fmt::join(rendering::ability_names, " ")));
     }
-    out.push_back({found->second, reason});
+    out.push_back({static_cast<Ability>(found - rendering::ability_names.begin()), reason});
   }
   if (find_limitation(out, Ability::analytic_surface) == nullptr) {
     out.push_back({Ability::analytic_surface, "a plug-in receives triangles"});

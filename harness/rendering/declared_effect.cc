@@ -14,6 +14,7 @@
 #include "harness/base/error.h"
 #include "harness/base/input_files.h"
 #include "harness/base/json_reader.h"
+#include "harness/base/known_names.h"
 #include "harness/base/random.h"
 #include "harness/rendering/formula.h"
 #include "harness/rendering/unit_dimension.h"
@@ -227,12 +228,13 @@ void read_formulas(JsonObject& root, DeclaredEffect& effect, Names& names) {
                        fmt::format("{}: {}/states/{}/rate", root.source(), root.place(), state.name)));
   }
   JsonObject list = root.object("formula");
+  root.finish();  // a key that nothing reads may be what a formula misses
   for (const std::string& key : list.keys()) {
     const auto output = std::find_if(kind.outputs.begin(), kind.outputs.end(),
                                      [&](const DeclaredVariable& one) { return one.name == key; });
     if (output == kind.outputs.end()) {
-      list.fail_at(key, fmt::format("an effect that acts on {} makes {}; it has no formula for \"{}\"", kind.name,
-                                    fmt::join(known, ", "), key));
+      list.fail_at(key,
+                   unknown_name(fmt::format("formula of an effect that acts on {} called", kind.name), key, known));
     }
     DeclaredFormula formula{key, list.text(key)};
     note(check_formula(formula.text, names, *dimension_of(output->unit), output->unit,
@@ -310,7 +312,6 @@ DeclaredEffect read_effect(const nlohmann::json& value, const std::string& sourc
   read_parameters(root, effect, names);
   read_states(root, effect, names);
   read_formulas(root, effect, names);
-  root.finish();
   return effect;
 }
 

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace touchstone::rendering {
@@ -21,6 +23,12 @@ enum class Ability : std::uint8_t {
   ball_tip,          // renders a tip of finite radius
   analytic_surface,  // runs on surfaces that have no triangles
 };
+
+// As plug-ins declare them, in the order of the abilities.
+constexpr std::array<std::string_view, 10> ability_names{
+    "thin_shells", "large_jumps", "start_inside",    "continuous_force", "rigid_motion",
+    "unit_scale",  "passive",     "surface_contact", "ball_tip",         "analytic_surface"};
+constexpr std::string_view ability_name(Ability ability) { return ability_names[static_cast<std::size_t>(ability)]; }
 
 struct Limitation {
   Ability ability;

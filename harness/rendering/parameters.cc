@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "harness/base/error.h"
+#include "harness/base/json_reader.h"
 #include "harness/base/known_names.h"
 #include "harness/rendering/declared_effect.h"
 #include "harness/rendering/model.h"
@@ -22,7 +23,8 @@ Parameters::Parameters(const std::vector<ParameterDeclaration>& declared, const 
   for (const auto& [name, value] : given) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end()) {
-      throw BadData(fmt::format("{}: {}/parameters/{}: nothing reads this parameter: {}", source, place, name,
+      throw BadData(fmt::format("{}: {}/parameters/{}: nothing reads this parameter{}: {}", source, place, name,
+                                line_in_file(std::string(source), fmt::format("{}/parameters/{}", place, name)),
                                 unknown_name(fmt::format("parameter of the {} called", owner), name, known)));
     }
     const auto& declaration = declared[static_cast<std::size_t>(found - known.begin())];

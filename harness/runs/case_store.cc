@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <limits>
 #include <stdexcept>
 
@@ -137,6 +138,7 @@ struct CaseStore::State {
   CaseTable table;
   std::string specification_sha256 = sha256(table.specification);
   std::uint64_t current_run = 0;
+  bool made = false;  // the file, by this object
 };
 
 namespace {
@@ -166,8 +168,8 @@ CaseStore::CaseStore(const std::filesystem::path& file, const CaseTable& table)
                ? fmt::format("another process is writing it; wait for that, or give another {}", table.file_option)
                : "is no file of results; it is left as it is");
   }
-  const bool empty = database.one_number("SELECT count(*) FROM sqlite_master") == 0;
-  if (empty) state_->make();
+  state_->made = database.one_number("SELECT count(*) FROM sqlite_master") == 0;
+  if (state_->made) state_->make();
   if (database.one_number("PRAGMA application_id") != application_id)
     refuse("is a database, but no file of results; it is left as it is");
   if (database.one_text("SELECT specification_sha256 FROM sweep") != sha256(table.specification)) {
@@ -190,7 +192,14 @@ CaseStore::CaseStore(const std::filesystem::path& file, const CaseTable& table)
   Statement(database.handle(), "UPDATE sweep SET cases = ? WHERE cases < ?1").bind(table.cases).run();
 }
 
-CaseStore::~CaseStore() = default;
+CaseStore::~CaseStore() {
+  const bool nothing =
+      state_->made && std::uncaught_exceptions() > 0 && state_->database.one_number("SELECT count(*) FROM cases") == 0;
+  const std::filesystem::path file = state_->database.file();
+  state_.reset();
+  std::error_code ignored;
+  if (nothing) std::filesystem::remove(file, ignored);
+}
 
 void CaseStore::start_run(const std::map<std::string, std::string>& provenance) {
   const Database& database = state_->database;

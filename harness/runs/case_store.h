@@ -63,6 +63,7 @@ class CaseStore {
   // one, one that is no such file at all (it is left as it is), one that another process is writing, or one with a row
   // that was changed after it was stored.
   CaseStore(const std::filesystem::path& file, const CaseTable& table);
+  // An exception takes a file with it that this object made and that has no row.
   ~CaseStore();
   CaseStore(const CaseStore&) = delete;
   CaseStore& operator=(const CaseStore&) = delete;

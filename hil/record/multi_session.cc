@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "harness/base/error.h"
+#include "harness/base/half_files.h"
 #include "harness/recording/envelope_clock.h"
 #include "hil/lab/analysis.h"
 
@@ -237,7 +238,7 @@ MultiReport record_streams(std::vector<NamedStream> streams, const std::filesyst
   if (std::filesystem::exists(folder, error))
     throw BadData(
         fmt::format("{}: is there already; a recording is never overwritten: choose another name", folder.string()));
-  std::filesystem::create_directories(folder, error);
+  error = make_folders(folder);
   if (error) throw BadData(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
   std::vector<std::unique_ptr<Lane>> lanes;
   for (auto& named : streams) lanes.push_back(std::make_unique<Lane>(std::move(named), folder, options));

@@ -32,6 +32,10 @@ std::vector<std::filesystem::path> blind_case_folders(const std::filesystem::pat
   for (const auto& entry : std::filesystem::directory_iterator(cases)) {
     if (std::filesystem::exists(entry.path() / "model.json")) folders.push_back(entry.path());
   }
+  if (folders.empty()) {
+    throw BadData(fmt::format("{}: no folder with a model.json is in it; make cases with: touchstone blind make",
+                              cases.string()));
+  }
   std::ranges::sort(folders);
   return folders;
 }

@@ -8,7 +8,7 @@
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 #include "harness/recording/recording_file.h"
-#include "synthetic/blind/blind_case.h"
+#include "hidden_physics/blind_case.h"
 
 namespace touchstone::blind {
 
@@ -29,10 +29,10 @@ void record_along_proposal(const std::filesystem::path& answers, const std::stri
   const recording::InTrajectory motion = recording::load_trajectory(trajectory);
   for (const auto& [set, count] : blind_full_count()) {
     for (std::size_t i = 0; i < count; ++i) {
-      const synthetic::BlindCase plan = synthetic::plan_case(set, i, seed);
+      const hidden_physics::BlindCase plan = hidden_physics::plan_case(set, i, seed);
       if (plan.id != id) continue;
-      save_recording(out / "train.csv", synthetic::record_along(plan, motion.motion, 0));
-      save_recording(out / "holdout.csv", synthetic::record_along(plan, motion.motion, 1));
+      save_recording(out / "train.csv", hidden_physics::record_along(plan, motion.motion, 0));
+      save_recording(out / "holdout.csv", hidden_physics::record_along(plan, motion.motion, 1));
       return;
     }
   }

@@ -10,6 +10,7 @@
 #include "harness/base/units.h"
 #include "harness/plugin/plugin.h"
 #include "harness/recording/recording_file.h"
+#include "harness/rendering/declared_effect.h"
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/out_trajectory.h"
 #include "harness/sanity/sanity.h"
@@ -119,6 +120,32 @@ DiscrepancyInputs load_inputs(const rendering::Catalogue& catalogue, const Discr
     if (inputs.holdout) synthesize(*inputs.holdout, *inputs.surface, inputs.model);
   }
   return inputs;
+}
+
+std::vector<rendering::Candidate> all_candidates(const rendering::Catalogue& catalogue,
+                                                 const std::vector<std::filesystem::path>& effects) {
+  using rendering::Candidate;
+  using rendering::Side;
+  std::vector<Candidate> candidates;
+  for (const auto& effect : catalogue.effects()) {
+    if (effect.hypothesis) candidates.push_back({effect.name, Side::contact, effect.parameters, effect.traits});
+  }
+  for (const auto& entry : catalogue.instrument_entries()) {
+    candidates.push_back({entry.name, Side::instrument, entry.parameters, entry.traits});
+  }
+  for (const std::filesystem::path& file : effects) {
+    auto law = std::make_shared<const rendering::DeclaredEffect>(rendering::load_effect(file));
+    const bool known = std::ranges::find(candidates, law->name, &Candidate::name) != candidates.end() ||
+                       std::ranges::find(catalogue.effects(), law->name, &rendering::NamedDeclaration::name) !=
+                           catalogue.effects().end();
+    if (known) {
+      throw BadData(fmt::format("{}: /name: there is an effect {} already; give this one a name of its own",
+                                file.string(), law->name));
+    }
+    candidates.push_back(
+        {law->name, law->is_instrument() ? Side::instrument : Side::contact, law->parameters, law->traits, law});
+  }
+  return candidates;
 }
 
 }  // namespace touchstone::pipeline

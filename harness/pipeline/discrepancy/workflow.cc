@@ -10,15 +10,16 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/input_files.h"
+#include "harness/discrepancy/findings.h"
 #include "harness/discrepancy/tracker_spectrum.h"
 #include "harness/pipeline/discrepancy/earlier_run.h"
 #include "harness/pipeline/discrepancy/force_gap.h"
 #include "harness/pipeline/discrepancy/golden_offer.h"
+#include "harness/pipeline/discrepancy/inputs.h"
 #include "harness/pipeline/discrepancy/page.h"
 #include "harness/pipeline/discrepancy/thinning.h"
 #include "harness/pipeline/discrepancy/verify.h"
 #include "harness/recording/recording_file.h"
-#include "harness/rendering/declared_effect.h"
 #include "harness/rendering/model.h"
 #include "harness/report/page_html.h"
 #include "harness/sanity/repeat_floor.h"
@@ -36,7 +37,6 @@ using rendering::Catalogue;
 using rendering::MakePredictor;
 using rendering::Model;
 using rendering::Prediction;
-using rendering::Side;
 using report::describe_input;
 
 namespace {
@@ -173,38 +173,66 @@ std::optional<double> run_again(const Catalogue& catalogue, const DiscrepancyFil
   return again_N;
 }
 
+report::Provenance provenance_of(const DiscrepancyFiles& files, bool instrument_declared) {
+  report::Provenance provenance = report::make_provenance(files.command_line);
+  provenance.inputs = {describe_input("model", files.model), describe_input("recording", files.recording)};
+  if (!files.mesh.empty()) provenance.inputs.push_back(describe_input("mesh", files.mesh));
+  if (!files.holdout.empty()) provenance.inputs.push_back(describe_input("holdout", files.holdout));
+  if (!files.repeat.empty()) provenance.inputs.push_back(describe_input("repeat", files.repeat));
+  for (const auto& file : files.effects) provenance.inputs.push_back(describe_input("effect", file));
+  if (instrument_declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
+  return provenance;
+}
+
+// What a user reads on the console.
+std::string findings_text(const Findings& findings, const DiscrepancyFiles& files) {
+  std::string text = fmt::format("{}\n{}\n", to_string(findings.verdict), findings.explanation);
+  for (const discrepancy::VerdictGate& gate : findings.gates) {
+    if (!gate.passed)
+      text += fmt::format("  gate {}{}: {} {:.4g}, limit {:.4g} ({})\n", gate.code,
+                          gate.code == findings.code ? ", which decides" : "", gate.statistic, gate.value, gate.limit,
+                          gate.limit_from);
+  }
+  for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
+    text += fmt::format("  {}\n", findings.search.found[e].name);
+    for (const discrepancy::FoundParameter& p : findings.parameters[e]) {
+      text += fmt::format("    {:28} {:>12.5g} {:8} {}\n", p.name, p.value, p.unit,
+                          p.undetermined.empty() ? fmt::format("95 %: {:.5g} to {:.5g}", p.low95, p.high95)
+                                                 : "not determined: " + p.undetermined);
+    }
+  }
+  if (findings.law) {
+    text += "  an empirical law, no physics:\n";
+    for (const std::string& line : law_formulas(findings.search.law)) text += fmt::format("    {}\n", line);
+    for (const discrepancy::LawPiece& piece : findings.search.law.pieces) {
+      for (const rendering::ParameterDeclaration& p : piece.effect->parameters)
+        text += fmt::format("    {:28} {:>12.5g} {}\n", p.name, p.initial, p.unit);
+    }
+    text += "    seen:";
+    for (const discrepancy::SeenRange& range : findings.search.law.seen)
+      text += fmt::format(" {} {:.3g} to {:.3g} {};", range.variable, range.low, range.high, range.unit);
+    text += fmt::format("\n    the model with it: {}; each piece for --effect: law-1.json and so on\n",
+                        (files.out / "empirical.json").string());
+  }
+  text += fmt::format(
+      "held-out RMS force error{}: before {:.4g} N, after {:.4g} N, expected of {} noise {:.4g} N{}\nreport: {}\n",
+      findings.gap.means ? fmt::format(" of means over {} samples", findings.gap.means->count) : "",
+      findings.gap.holdout_before_N, findings.gap.holdout_after_N,
+      findings.instrument_declared ? "the declared" : "the estimated", findings.gap.noise_floor_N,
+      findings.gap.repeat_floor_N ? fmt::format(", floor of the repeat {:.4g} N", *findings.gap.repeat_floor_N) : "",
+      (files.out / "report.html").string());
+  if (!files.golden.empty()) {
+    text += "a golden case of it is written; it counts once it is accepted:\n" + golden_commands(files.golden);
+  } else if (findings.verdict == discrepancy::FindingsVerdict::explained) {
+    text += "to keep the gap closed, make it a golden case: add --golden golden/NAME\n";
+  }
+  return text;
+}
+
 }  // namespace
 
-std::vector<Candidate> all_candidates(const Catalogue& catalogue) {
-  std::vector<Candidate> candidates;
-  for (const auto& effect : catalogue.effects()) {
-    if (effect.hypothesis) candidates.push_back({effect.name, Side::contact, effect.parameters, effect.traits});
-  }
-  for (const auto& entry : catalogue.instrument_entries()) {
-    candidates.push_back({entry.name, Side::instrument, entry.parameters, entry.traits});
-  }
-  return candidates;
-}
-
-std::vector<Candidate> all_candidates(const Catalogue& catalogue, const std::vector<std::filesystem::path>& effects) {
-  std::vector<Candidate> candidates = all_candidates(catalogue);
-  for (const std::filesystem::path& file : effects) {
-    auto law = std::make_shared<const rendering::DeclaredEffect>(rendering::load_effect(file));
-    const bool known = std::ranges::find(candidates, law->name, &Candidate::name) != candidates.end() ||
-                       std::ranges::find(catalogue.effects(), law->name, &rendering::NamedDeclaration::name) !=
-                           catalogue.effects().end();
-    if (known) {
-      throw BadData(fmt::format("{}: /name: there is an effect {} already; give this one a name of its own",
-                                file.string(), law->name));
-    }
-    candidates.push_back(
-        {law->name, law->is_instrument() ? Side::instrument : Side::contact, law->parameters, law->traits, law});
-  }
-  return candidates;
-}
-
-Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& files,
-                         const std::function<void(const std::string&)>& report) {
+DiscrepancyAnswer run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& files,
+                                  const std::function<void(const std::string&)>& report) {
   const DiscrepancyInputs inputs = load_inputs(catalogue, files);
   ensure_writable_folder(files.out);  // after the input, which may be bad; before the long work
   for (const std::string& remark : inputs.remarks) report(remark);
@@ -291,61 +319,12 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
       run_again(catalogue, files, samples, findings.search.model, instrument.force_noise_N);
   const std::string json = findings_to_json(findings, trajectory);
   write_file(files.out / "findings.json", json);
-  report::Provenance provenance = report::make_provenance(files.command_line);
-  provenance.inputs = {describe_input("model", files.model), describe_input("recording", files.recording)};
-  if (!files.mesh.empty()) provenance.inputs.push_back(describe_input("mesh", files.mesh));
-  if (second) provenance.inputs.push_back(describe_input("holdout", files.holdout));
-  if (floor) provenance.inputs.push_back(describe_input("repeat", files.repeat));
-  for (const auto& file : files.effects) provenance.inputs.push_back(describe_input("effect", file));
-  if (instrument.declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
-  write_html(files.out / "report.html",
-             discrepancy_page(findings, candidates, measured.on, before, after, mesh, provenance));
+  write_html(files.out / "report.html", discrepancy_page(findings, candidates, measured.on, before, after, mesh,
+                                                         provenance_of(files, instrument.declared)));
   if (!files.golden.empty()) write_golden_case(files.golden, mesh, holdout, findings.search.model);
-  return findings;
-}
-
-std::string findings_text(const Findings& findings, const DiscrepancyFiles& files) {
-  std::string text = fmt::format("{}\n{}\n", to_string(findings.verdict), findings.explanation);
-  for (const discrepancy::VerdictGate& gate : findings.gates) {
-    if (!gate.passed)
-      text += fmt::format("  gate {}{}: {} {:.4g}, limit {:.4g} ({})\n", gate.code,
-                          gate.code == findings.code ? ", which decides" : "", gate.statistic, gate.value, gate.limit,
-                          gate.limit_from);
-  }
-  for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
-    text += fmt::format("  {}\n", findings.search.found[e].name);
-    for (const discrepancy::FoundParameter& p : findings.parameters[e]) {
-      text += fmt::format("    {:28} {:>12.5g} {:8} {}\n", p.name, p.value, p.unit,
-                          p.undetermined.empty() ? fmt::format("95 %: {:.5g} to {:.5g}", p.low95, p.high95)
-                                                 : "not determined: " + p.undetermined);
-    }
-  }
-  if (findings.law) {
-    text += "  an empirical law, no physics:\n";
-    for (const std::string& line : law_formulas(findings.search.law)) text += fmt::format("    {}\n", line);
-    for (const discrepancy::LawPiece& piece : findings.search.law.pieces) {
-      for (const rendering::ParameterDeclaration& p : piece.effect->parameters)
-        text += fmt::format("    {:28} {:>12.5g} {}\n", p.name, p.initial, p.unit);
-    }
-    text += "    seen:";
-    for (const discrepancy::SeenRange& range : findings.search.law.seen)
-      text += fmt::format(" {} {:.3g} to {:.3g} {};", range.variable, range.low, range.high, range.unit);
-    text += fmt::format("\n    the model with it: {}; each piece for --effect: law-1.json and so on\n",
-                        (files.out / "empirical.json").string());
-  }
-  text += fmt::format(
-      "held-out RMS force error{}: before {:.4g} N, after {:.4g} N, expected of {} noise {:.4g} N{}\nreport: {}\n",
-      findings.gap.means ? fmt::format(" of means over {} samples", findings.gap.means->count) : "",
-      findings.gap.holdout_before_N, findings.gap.holdout_after_N,
-      findings.instrument_declared ? "the declared" : "the estimated", findings.gap.noise_floor_N,
-      findings.gap.repeat_floor_N ? fmt::format(", floor of the repeat {:.4g} N", *findings.gap.repeat_floor_N) : "",
-      (files.out / "report.html").string());
-  if (!files.golden.empty()) {
-    text += "a golden case of it is written; it counts once it is accepted:\n" + golden_commands(files.golden);
-  } else if (findings.verdict == discrepancy::FindingsVerdict::explained) {
-    text += "to keep the gap closed, make it a golden case: add --golden golden/NAME\n";
-  }
-  return text;
+  DiscrepancyAnswer answer{findings.verdict, {}, findings_text(findings, files)};
+  for (const discrepancy::FoundEffect& effect : findings.search.found) answer.effects.push_back(effect.name);
+  return answer;
 }
 
 }  // namespace touchstone::pipeline

@@ -1,28 +1,31 @@
 // The search for missing effects from files to files: what `touchstone discrepancy` runs.
+//
+//   touchstone::pipeline::DiscrepancyFiles files;
+//   files.model = "model.json", files.mesh = "object.obj", files.recording = "train.csv", files.out = "found";
+//   const auto answer = run_discrepancy(touchstone::renderers::built_in_catalogue(), files, [](const std::string&) {});
+//   if (answer.verdict == touchstone::discrepancy::FindingsVerdict::explained)
+//   std::puts(answer.effects.front().c_str());
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "harness/discrepancy/findings.h"
-#include "harness/pipeline/discrepancy/inputs.h"
+#include "harness/discrepancy/findings_verdict.h"
+#include "harness/pipeline/discrepancy/request.h"
+#include "harness/rendering/catalogue.h"
 
 namespace touchstone::pipeline {
 
-// Every contact effect and instrument entry of the catalogue.
-std::vector<rendering::Candidate> all_candidates(const rendering::Catalogue& catalogue);
-// The same and the effects that these files declare. Throws BadData for a file that is wrong or has a name twice.
-std::vector<rendering::Candidate> all_candidates(const rendering::Catalogue& catalogue,
-                                                 const std::vector<std::filesystem::path>& effects);
+struct DiscrepancyAnswer {
+  discrepancy::FindingsVerdict verdict = discrepancy::FindingsVerdict::consistent;
+  std::vector<std::string> effects;  // named, the first to be found first
+  std::string text;                  // for a person
+};
 
-// Searches and writes report.html, findings.json, model.json and, where another recording would tell, next.csv.
-// Throws BadData and UsageError. `report` gets a line at every step.
-discrepancy::Findings run_discrepancy(const rendering::Catalogue& catalogue, const DiscrepancyFiles& files,
-                                      const std::function<void(const std::string&)>& report);
-
-// What a user reads on the console.
-std::string findings_text(const discrepancy::Findings& findings, const DiscrepancyFiles& files);
+// Searches and writes report.html, findings.json ("touchstone-findings/1": all that was found), model.json and, where
+// another recording would tell, next.csv. Throws BadData and UsageError. `report` gets a line at every step.
+DiscrepancyAnswer run_discrepancy(const rendering::Catalogue& catalogue, const DiscrepancyFiles& files,
+                                  const std::function<void(const std::string&)>& report);
 
 }  // namespace touchstone::pipeline

@@ -12,6 +12,7 @@
 #include "harness/base/error.h"
 #include "harness/pipeline/board_site.h"
 #include "harness/pipeline/evaluation/input_floor.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/run.h"
 #include "harness/pipeline/verdict.h"
 #include "harness/rendering/renderer_failed.h"

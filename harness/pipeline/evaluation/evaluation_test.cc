@@ -1,6 +1,7 @@
 #include "harness/base/error.h"
 #include "harness/metrics/catalogue.h"
 #include "harness/pipeline/evaluation/campaign.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/run.h"
 #include "harness/pipeline/evaluation/sample_scan_for_test.h"
 #include "harness/pipeline/evaluation/sensor_window.h"

@@ -15,6 +15,7 @@
 #include "harness/metrics/error_map.h"
 #include "harness/perception/filters/weber_law.h"
 #include "harness/pipeline/evaluation/counted_cost.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/perceived.h"
 #include "harness/pipeline/evaluation/renderer_residual.h"
 #include "harness/pipeline/evaluation/sensor_window.h"

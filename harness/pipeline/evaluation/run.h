@@ -4,12 +4,13 @@
 #include <filesystem>
 #include <functional>
 
-#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/request.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/report/evaluation.h"
 
 namespace touchstone::pipeline {
+
+struct EvaluationInputs;  // inputs.h
 
 // Replays and measures. `rendered` is the file for what the renderer answered (before any instrument entry); "" writes
 // none. Throws as load_inputs() does, and BadData where the renderer answers with what is not a number.

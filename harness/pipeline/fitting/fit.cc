@@ -9,6 +9,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/progress.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/fitting/minimise.h"
 #include "harness/pipeline/fitting/objective.h"
 #include "harness/pipeline/fitting/uncertainty.h"

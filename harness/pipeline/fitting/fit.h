@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "harness/metrics/metric.h"
-#include "harness/pipeline/evaluation/inputs.h"
+#include "harness/metrics/time_ranges.h"
 #include "harness/pipeline/evaluation/request.h"
 #include "harness/pipeline/fitting/parameter.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/report/provenance.h"
+#include "harness/sanity/repeat_floor.h"
 
 namespace touchstone::pipeline {
 

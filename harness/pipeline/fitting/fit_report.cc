@@ -6,10 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/base/atomic_file.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/report/console.h"
 #include "harness/report/evaluation_page.h"
 #include "harness/report/json_numbers.h"
 #include "harness/report/metric_json.h"
+#include "harness/report/page.h"
 #include "harness/report/page_html.h"
 #include "harness/report/quantity.h"
 
@@ -69,60 +71,6 @@ Section force_section(const FitResult& result) {
     section.blocks.emplace_back(std::move(plot));
   }
   return section;
-}
-
-}  // namespace
-
-std::string fit_to_json(const FitResult& result) {
-  json parameters = json::array();
-  for (const Estimate& one : result.estimates) {
-    json entry{{"name", one.parameter.name},
-               {"unit", one.parameter.unit},
-               {"initial", one.parameter.initial},
-               {"value", report::exact_number(one.value)},
-               {"bounds", {one.parameter.low, one.parameter.high}},
-               {"interval95", nullptr},
-               {"profile",
-                {{"value", report::plotted_numbers(one.profile_value)},
-                 {"metric", report::plotted_numbers(one.profile_metric)}}}};
-    if (one.interval_known) entry["interval95"] = {report::exact_number(one.low95), report::exact_number(one.high95)};
-    parameters.push_back(std::move(entry));
-  }
-  json metrics = json::array();
-  for (const metrics::MetricResult& metric : result.score_metrics) metrics.push_back(report::metric_to_json(metric));
-  json signals = json::array();
-  for (const metrics::Series& series : result.signals) signals.push_back(report::series_to_json(series));
-  json document{{"schema", "touchstone-fit/1"},
-                {"title", result.title},
-                {"metric", {{"name", result.metric}, {"unit", result.metric_unit}}},
-                {"parameters", std::move(parameters)},
-                {"fit",
-                 {{"range", result.fit_range},
-                  {"samples", result.fit_samples},
-                  {"before", report::exact_number(result.fit_before)},
-                  {"after", report::exact_number(result.fit_after)}}},
-                {"score",
-                 {{"range", result.score_range},
-                  {"samples", result.score_samples},
-                  {"before", report::exact_number(result.score_before)},
-                  {"after", report::exact_number(result.score_after)},
-                  {"metrics", std::move(metrics)}}},
-                {"evaluations", result.evaluations},
-                {"interval_note", result.interval_note},
-                {"warnings", result.warnings},
-                {"signals", std::move(signals)},
-                {"model", json::parse(result.model_text)},
-                {"provenance", provenance_to_json(result.provenance)}};
-  if (result.floor) {
-    document["repeat_floor"] = {{"force_N", report::exact_number(result.floor->force_N)},
-                                {"position_m", report::exact_number(result.floor->position_m)},
-                                {"shift_s", report::exact_number(result.floor->shift_s)},
-                                {"unshifted_N", report::exact_number(result.floor->unshifted_N)},
-                                {"steadiest_N", report::exact_number(result.floor->steadiest_N)},
-                                {"least_steady_N", report::exact_number(result.floor->least_steady_N)},
-                                {"repeat", result.floor->source}};
-  }
-  return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
 // What the repeat says of the scored error; empty without one, and where that is no RMS of the force.
@@ -187,6 +135,60 @@ report::Page fit_page(const FitResult& result) {
   page.footer =
       fmt::format("Touchstone {}. {} evaluations of the metric.", result.provenance.build.version, result.evaluations);
   return page;
+}
+
+}  // namespace
+
+std::string fit_to_json(const FitResult& result) {
+  json parameters = json::array();
+  for (const Estimate& one : result.estimates) {
+    json entry{{"name", one.parameter.name},
+               {"unit", one.parameter.unit},
+               {"initial", one.parameter.initial},
+               {"value", report::exact_number(one.value)},
+               {"bounds", {one.parameter.low, one.parameter.high}},
+               {"interval95", nullptr},
+               {"profile",
+                {{"value", report::plotted_numbers(one.profile_value)},
+                 {"metric", report::plotted_numbers(one.profile_metric)}}}};
+    if (one.interval_known) entry["interval95"] = {report::exact_number(one.low95), report::exact_number(one.high95)};
+    parameters.push_back(std::move(entry));
+  }
+  json metrics = json::array();
+  for (const metrics::MetricResult& metric : result.score_metrics) metrics.push_back(report::metric_to_json(metric));
+  json signals = json::array();
+  for (const metrics::Series& series : result.signals) signals.push_back(report::series_to_json(series));
+  json document{{"schema", "touchstone-fit/1"},
+                {"title", result.title},
+                {"metric", {{"name", result.metric}, {"unit", result.metric_unit}}},
+                {"parameters", std::move(parameters)},
+                {"fit",
+                 {{"range", result.fit_range},
+                  {"samples", result.fit_samples},
+                  {"before", report::exact_number(result.fit_before)},
+                  {"after", report::exact_number(result.fit_after)}}},
+                {"score",
+                 {{"range", result.score_range},
+                  {"samples", result.score_samples},
+                  {"before", report::exact_number(result.score_before)},
+                  {"after", report::exact_number(result.score_after)},
+                  {"metrics", std::move(metrics)}}},
+                {"evaluations", result.evaluations},
+                {"interval_note", result.interval_note},
+                {"warnings", result.warnings},
+                {"signals", std::move(signals)},
+                {"model", json::parse(result.model_text)},
+                {"provenance", provenance_to_json(result.provenance)}};
+  if (result.floor) {
+    document["repeat_floor"] = {{"force_N", report::exact_number(result.floor->force_N)},
+                                {"position_m", report::exact_number(result.floor->position_m)},
+                                {"shift_s", report::exact_number(result.floor->shift_s)},
+                                {"unshifted_N", report::exact_number(result.floor->unshifted_N)},
+                                {"steadiest_N", report::exact_number(result.floor->steadiest_N)},
+                                {"least_steady_N", report::exact_number(result.floor->least_steady_N)},
+                                {"repeat", result.floor->source}};
+  }
+  return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
 std::string fit_table(const FitResult& result) {

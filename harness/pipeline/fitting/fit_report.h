@@ -5,12 +5,10 @@
 #include <string>
 
 #include "harness/pipeline/fitting/fit.h"
-#include "harness/report/page.h"
 
 namespace touchstone::pipeline {
 
 std::string fit_to_json(const FitResult& result);
-report::Page fit_page(const FitResult& result);
 std::string fit_table(const FitResult& result);
 void write_fit(const FitResult& result, const std::filesystem::path& folder);
 

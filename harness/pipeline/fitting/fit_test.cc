@@ -1,6 +1,7 @@
 #include "harness/pipeline/fitting/fit.h"
 
 #include "harness/base/error.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/sample_scan_for_test.h"
 #include "harness/pipeline/fitting/fit_report.h"
 #include "harness/pipeline/fitting/minimise.h"

@@ -9,8 +9,10 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/json_reader.h"
 #include "harness/base/random.h"
 #include "harness/recording/recording_file.h"
+#include "harness/rendering/model.h"
 
 namespace touchstone::pipeline {
 using recording::InTrajectory;
@@ -36,7 +38,7 @@ class Draft {
   explicit Draft(fs::path folder) : folder_(std::move(folder)) {
     if (fs::exists(folder_))
       throw UsageError(fmt::format("{}: is there already; give another name, or remove it", folder_.string()));
-    fs::create_directories(folder_);
+    ensure_writable_folder(folder_);
   }
   ~Draft() {
     std::error_code ignored;
@@ -83,8 +85,8 @@ json models_of(const NewCase& wanted) {
           fmt::format("{}: the model would be called \"{}\"; rename the file: each its own name, of letters, "
                       "digits and '-'",
                       file.string(), name));
-    models[name] = json::parse(read_file(file), nullptr, false);
-    if (models[name].is_discarded()) throw BadData(fmt::format("{}: is no JSON", file.string()));
+    models[name] = load_json(file);
+    rendering::parse_model(models[name].dump(), file.string(), file.parent_path());
   }
   if (models.empty()) throw UsageError("give at least one --model");
   return models;
@@ -186,6 +188,56 @@ MadeCase make_case(const Catalogues& catalogues, const fs::path& golden, const N
                                  made.rounding_N));
   draft.keep();
   return made;
+}
+
+std::vector<std::string> edit_tolerance(const fs::path& case_folder, const std::vector<std::string>& limits,
+                                        const std::string& reason) {
+  if (reason.find_first_not_of(" \t") == std::string::npos)
+    throw UsageError("--reason: say why these are the limits; it stands in the case");
+  const fs::path file = case_folder / "case.json";
+  const std::string before = read_file(file);
+  baseline::load_case(case_folder);  // what is wrong already is said with its line
+  auto document = nlohmann::ordered_json::parse(before);
+  auto& tolerance = document.at("tolerance");
+  std::vector<std::string> lines;
+  for (const std::string& limit : limits) {
+    const std::size_t dot = limit.find('.'), equals = limit.find('=');
+    if (dot == std::string::npos || equals == std::string::npos || dot > equals)
+      throw UsageError(fmt::format("--set {}: QUANTITY.LIMIT=VALUE was expected: force.atol_N=2e-5", limit));
+    const std::string quantity = limit.substr(0, dot), key = limit.substr(dot + 1, equals - dot - 1),
+                      text = limit.substr(equals + 1);
+    const auto value = json::parse(text.empty() ? "null" : text, nullptr, false);
+    if (value.is_discarded() || !(value.is_number() || value.is_null()))
+      throw UsageError(fmt::format("--set {}: a number was expected after =", limit));
+    auto& entry = tolerance[quantity];
+    if (entry.is_null()) entry = nlohmann::ordered_json::object();
+    lines.push_back(fmt::format("{}.{}: {} -> {}", quantity, key, entry.contains(key) ? entry[key].dump() : "not given",
+                                text.empty() ? "not given" : value.dump()));
+    if (text.empty()) {
+      entry.erase(key);
+    } else {
+      entry[key] = value;
+    }
+  }
+  tolerance["reason"] = reason;
+  write_file(file, document.dump(1) + "\n", Replace::inputs_too);
+  try {
+    baseline::load_case(case_folder);
+  } catch (...) {
+    write_file(file, before, Replace::inputs_too);
+    throw;
+  }
+  return lines;
+}
+
+fs::path own_golden_folder(const fs::path& own) {
+  if (own.is_absolute()) return own;
+  std::error_code error;
+  for (auto here = fs::current_path(error); !error && here.has_relative_path(); here = here.parent_path()) {
+    if (fs::is_directory(here / own) || fs::exists(here / ".git"))
+      return (here / own).lexically_proximate(fs::current_path());
+  }
+  return own;
 }
 
 }  // namespace touchstone::pipeline

@@ -33,4 +33,14 @@ struct MadeCase {
 MadeCase make_case(const Catalogues& catalogues, const std::filesystem::path& golden, const NewCase& wanted,
                    const ChangeModel& change = {});
 
+// Changes limits of a case's tolerance in its case.json, and the reason that stands with them. `limits` are
+// "force.atol_N=2e-5"; an empty value takes the limit out. Returns a line for each, before and after. Throws UsageError
+// or BadData, and then the file is as it was.
+std::vector<std::string> edit_tolerance(const std::filesystem::path& case_folder,
+                                        const std::vector<std::string>& limits, const std::string& reason);
+
+// Where `golden new` puts a case: the folder `own` that holds cases already, upwards to the top of the repository; else
+// at its top.
+std::filesystem::path own_golden_folder(const std::filesystem::path& own);
+
 }  // namespace touchstone::pipeline

@@ -67,6 +67,34 @@ TEST_F(NewGoldenCase, RunsAtOnceAndHasAToleranceWithItsReason) {
   EXPECT_EQ(run.rendered.f_W_N.size(), 500U);
 }
 
+TEST_F(NewGoldenCase, ItsLimitsChangeWithTheirReasonOrNotAtAll) {
+  const fs::path folder = make().golden.folder;
+  const auto lines = edit_tolerance(folder, {"force.atol_N=2e-5", "contact_position.rtol="}, "a coarser solver");
+  EXPECT_THAT(lines,
+              ::testing::ElementsAre("force.atol_N: 1e-06 -> 2e-05", "contact_position.rtol: 1e-06 -> not given"));
+  const baseline::GoldenCase changed = baseline::load_case(folder);
+  EXPECT_EQ(changed.tolerance.of("force").atol, 2e-5);
+  EXPECT_EQ(changed.tolerance.reason, "a coarser solver");
+  const std::string before = read_file(folder / "case.json");
+  for (const char* const wrong : {"force.atol=2e-5", "froce.atol_N=1", "force.atol_N=-1", "force.atol_N=much", "force"})
+    EXPECT_THROW(edit_tolerance(folder, {wrong}, "why"), Error) << wrong;
+  EXPECT_THROW(edit_tolerance(folder, {"force.atol_N=1"}, " "), UsageError);
+  EXPECT_EQ(read_file(folder / "case.json"), before);
+}
+
+// From a folder below as from the top, and never below a folder that is there already.
+TEST_F(NewGoldenCase, GoesIntoTheFolderThatIsFoundUpwards) {
+  const fs::path here = fs::current_path();
+  fs::create_directories(folder_ / "top/.git");
+  fs::create_directories(folder_ / "top/src/deep");
+  fs::current_path(folder_ / "top/src/deep");
+  EXPECT_EQ(own_golden_folder("golden"), "../../golden");
+  fs::create_directories(folder_ / "top/src/golden");
+  EXPECT_EQ(own_golden_folder("golden"), "../golden");
+  EXPECT_EQ(own_golden_folder(folder_ / "elsewhere"), folder_ / "elsewhere");
+  fs::current_path(here);
+}
+
 TEST_F(NewGoldenCase, TakesAPartOfThePath) {
   wanted_.from_s = 0.1;
   wanted_.to_s = 0.2;

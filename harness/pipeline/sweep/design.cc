@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/random.h"
+#include "harness/baseline/golden_case.h"
+#include "harness/pipeline/sweep/tool_sweep.h"
+#include "harness/rendering/model.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -45,12 +49,13 @@ std::uint64_t whole(const JsonObject& object, std::string_view key, double value
   return static_cast<std::uint64_t>(value);
 }
 
-Choice read_choice(JsonObject& root, const char* key) {
+// `check` reads one as a case will, so that a slip is an error of this file, with its line, and not of every case.
+Choice read_choice(JsonObject& root, const char* key, const std::function<void(JsonObject)>& check) {
   JsonObject object = root.object(key);
   Choice choice;
   for (const std::string& name : object.keys()) {
     choice.names.push_back(name);
-    static_cast<void>(object.object(name));  // a seed or a varied parameter is set inside it
+    check(object.object(name));  // an object: a seed or a varied parameter is set inside it
     choice.values.push_back(object.raw(name));
   }
   object.finish();
@@ -236,9 +241,20 @@ SweepDesign::SweepDesign(const std::filesystem::path& file) : state_(std::make_u
   s.of_tools = document.is_object() && document.value("schema", json()) == "touchstone-tool-sweep/1";
   root.schema(s.of_tools ? "touchstone-tool-sweep/1" : "touchstone-sweep/1");
   s.design = read_design(root);
-  s.surfaces = read_choice(root, s.of_tools ? "contacts" : "surfaces");
-  s.trajectories = s.of_tools ? Choice{{""}, {json::object()}} : read_choice(root, "trajectories");
-  s.models = read_choice(root, s.of_tools ? "renderers" : "models");
+  const auto check_model = [&](const JsonObject& model) {
+    rendering::parse_model(model.text_of_all(), model.source() + ": " + model.place(), s.folder);
+  };
+  if (s.of_tools) {
+    s.surfaces = read_choice(root, "contacts", [](JsonObject one) { read_swept_contact(one); });
+    s.trajectories = {{""}, {json::object()}};
+    s.models = read_choice(root, "renderers", [](JsonObject one) { read_swept_tool_renderer(one); });
+  } else {
+    constexpr auto files = baseline::CaseFiles::anywhere;
+    s.surfaces = read_choice(root, "surfaces", [&](JsonObject one) { read_case_surface(one, s.folder, files); });
+    s.trajectories =
+        read_choice(root, "trajectories", [&](JsonObject one) { read_case_trajectory(one, s.folder, files); });
+    s.models = read_choice(root, "models", check_model);
+  }
   if (root.has("seeds") && !s.of_tools) {
     for (const double seed : root.numbers("seeds")) s.seeds.push_back(whole(root, "seeds", seed, 9e15));
   }

@@ -14,31 +14,43 @@ tool::ToolErrors run(const SweepCase& one, const ToolSweep& sweep) {
   const nlohmann::json document = parse_json(one.document, source);
   JsonObject root(document, source, "");
   JsonObject contacts = root.object("contacts");
-  const std::string name = contacts.text("case");
-  tool::ContactShape shape;
-  shape.scale = contacts.optional_number("scale").value_or(1.0);
-  shape.clearance_m = contacts.optional_number("clearance_m");
-  contacts.finish();
   JsonObject chosen = root.object("renderer");
-  const tool::ToolRendererEntry& entry = tool::find_tool_renderer(sweep.renderers, chosen.text("renderer"));
-  tool::ToolSettings settings;
-  if (const auto k = chosen.optional_number("stiffness_N_per_m")) settings.coupling.stiffness_N_per_m = *k;
-  if (const auto k = chosen.optional_number("rotational_stiffness_Nm_per_rad"))
-    settings.coupling.rotational_stiffness_Nm_per_rad = *k;
-  if (chosen.has("parameters")) {
-    JsonObject parameters = chosen.object("parameters");
-    for (const std::string& parameter : parameters.keys())
-      settings.parameters[parameter] = parameters.number(parameter);
-    parameters.finish();
-  }
-  chosen.finish();
   root.finish();
+  const auto [name, shape] = read_swept_contact(contacts);
+  const auto [wanted, settings] = read_swept_tool_renderer(chosen);
+  const tool::ToolRendererEntry& entry = tool::find_tool_renderer(sweep.renderers, wanted);
   const tool::KnownContacts known = sweep.contacts(name, settings.coupling, shape);
   const auto renderer = tool::make_tool_renderer(entry, known.tool, known.object_W, settings);
   return tool::errors_of(*renderer, one.model, known);
 }
 
 }  // namespace
+
+SweptContact read_swept_contact(JsonObject& object) {
+  SweptContact contact;
+  contact.name = object.text("case");
+  contact.shape.scale = object.optional_number("scale").value_or(1.0);
+  contact.shape.clearance_m = object.optional_number("clearance_m");
+  object.finish();
+  return contact;
+}
+
+SweptToolRenderer read_swept_tool_renderer(JsonObject& object) {
+  SweptToolRenderer choice;
+  choice.renderer = object.text("renderer");
+  tool::Coupling& coupling = choice.settings.coupling;
+  coupling.stiffness_N_per_m = object.optional_number("stiffness_N_per_m").value_or(coupling.stiffness_N_per_m);
+  coupling.rotational_stiffness_Nm_per_rad =
+      object.optional_number("rotational_stiffness_Nm_per_rad").value_or(coupling.rotational_stiffness_Nm_per_rad);
+  if (object.has("parameters")) {
+    JsonObject parameters = object.object("parameters");
+    for (const std::string& parameter : parameters.keys())
+      choice.settings.parameters[parameter] = parameters.number(parameter);
+    parameters.finish();
+  }
+  object.finish();
+  return choice;
+}
 
 runs::CaseTable tool_sweep_table(const SweepDesign& design) {
   using enum runs::CaseColumn::Type;

@@ -3,15 +3,29 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "harness/base/json_reader.h"
 #include "harness/pipeline/sweep/design.h"
 #include "harness/runs/case_engine.h"
 #include "harness/tool/tool_errors.h"
 #include "harness/tool/tool_renderer_entry.h"
 
 namespace touchstone::pipeline {
+
+// A contact and a renderer of a specification. Throw BadData for a key that nothing reads.
+struct SweptContact {
+  std::string name;
+  tool::ContactShape shape;
+};
+SweptContact read_swept_contact(JsonObject& object);
+struct SweptToolRenderer {
+  std::string renderer;
+  tool::ToolSettings settings;
+};
+SweptToolRenderer read_swept_tool_renderer(JsonObject& object);
 
 struct ToolSweep {
   std::vector<tool::ToolRendererEntry> renderers;

@@ -1,0 +1,13 @@
+// The commands of this extra, for its program and for the Python module.
+#pragma once
+
+#include "apps/command.h"
+
+namespace touchstone::studies {
+
+void add_atlas(CLI::App& program, apps::Run& run);
+void add_blind(CLI::App& program, apps::Run& run);
+void add_experiment(CLI::App& program, apps::Run& run);
+void add_tool_atlas(CLI::App& program, apps::Run& run);  // "tool-atlas", which `touchstone tool atlas` finds
+
+}  // namespace touchstone::studies

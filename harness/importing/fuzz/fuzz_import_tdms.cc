@@ -1,6 +1,0 @@
-#include "harness/importing/fuzz/read_import.h"
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  touchstone::importing::fuzz::read_import(data, size, ".tdms");
-  return 0;
-}
