@@ -57,21 +57,18 @@ constexpr auto letters = std::to_array<LetterLexeme>({{'f', "xyz", {Quantity::fo
 // What makes of a column something else than what was measured, or of another quantity.
 constexpr std::string_view others =
     " req request requested ideal velocity velocities vel speed v twist linear angular acceleration accel acc a jerk "
-    "gyro "
-    "gyroscope omega mag magnetometer voltage volt volts power temperature temp pressure "
-    "error err diff delta dt difference covariance cov std stddev var variance desired target "
-    "command commanded cmd reference ref setpoint des nominal planned expected goal norm magnitude abs resultant rms "
-    "mean max min"
-    " peak limit rate dot derivative offset bias noise predicted virtual strain stress stiffness "
-    "gain date datum status rpy euler roll pitch yaw marker quality frequency segment counts cycle "
-    "energy work width friction fnref axisangle rotvec ";
+    "gyro gyroscope omega mag magnetometer voltage volt volts power temperature temp pressure error err diff delta "
+    "dt difference covariance cov std stddev var variance desired target command commanded cmd reference ref "
+    "setpoint des nominal planned expected goal norm magnitude abs resultant rms mean max min peak limit rate dot "
+    "derivative offset bias noise predicted virtual strain stress stiffness gain date datum status rpy euler roll "
+    "pitch yaw marker quality frequency segment counts cycle energy work width friction fnref axisangle rotvec ";
 
 // Whose, or where, or how handled: a bare axis with these is still a position.
 constexpr std::string_view frames =
-    " tip tcp tool probe stylus current ee eef end effector hand robot world base object map global local "
-    "actual measured meas data field header sensor raw filtered filt msg transform obs state states "
-    "coordinates axis value since start series tracker device haptic left right of the smoothed ft "
-    "fts netft cell body rigid wrist contact test standard ";
+    " tip tcp tool probe stylus current ee eef end effector hand robot world base object map global local actual "
+    "measured meas data field header sensor raw filtered filt msg transform obs state states coordinates axis value "
+    "since start series tracker device haptic left right of the smoothed ft fts netft cell body rigid wrist contact "
+    "test standard ";
 
 // A frame in which a bare axis might be a force's.
 constexpr std::string_view of_wrenches = " ft fts netft wrench wrist ";
@@ -348,8 +345,8 @@ Split split_unit(std::string text) {
         words, [](const std::string& w) { return lists(frames, w) || lists(others, w) || is_number(w) || is_axis(w); });
     const bool wordy = remark && !is_foreign_unit(inside);
     if (!wordy) out.unit = inside, out.stated = true;
-    text = text.substr(0, open) + (wordy ? " " + inside + " " : " ") +
-           (close == std::string::npos ? "" : text.substr(close + 1));
+    const std::string behind = close == std::string::npos ? "" : text.substr(close + 1);
+    text = fmt::format("{} {}{}", text.substr(0, open), wordy ? inside + " " : "", behind);
   }
   for (const std::string_view sign : {" / ", "/", " in ", ", "}) {
     const auto at = text.rfind(sign);
@@ -431,7 +428,15 @@ ColumnName parse_column_name(std::string_view written) {
   Split split = split_unit(as_utf8(written));
   std::vector<Quantity> quantities;
   bool taken = false;
-  if (!split.stated) taken = take_last_unit(split.name, quantities, out);
+  if (!split.stated) {
+    // A number behind the unit counts the components: "position_mm.2".
+    const auto end = split.name.find_last_not_of("0123456789");
+    const bool counted = end != std::string::npos && end + 1 < split.name.size() && is_separator(split.name[end]);
+    const std::string number = counted ? split.name.substr(end) : "";
+    split.name.resize(split.name.size() - number.size());
+    taken = take_last_unit(split.name, quantities, out);
+    split.name += number;
+  }
   Parsed parsed = analysed(words_of(split.name));
   if (taken) parsed.quantities = quantities;
   out.quantities = parsed.quantities;

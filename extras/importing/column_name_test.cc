@@ -114,12 +114,15 @@ TEST(ColumnName, NumbersCountTheComponents) {
                                               {"force[2]", force, 2U},
                                               {"position.1", position, 1U},
                                               {"pose_6", pose, 6U},
+                                              {"position_mm.2", position, 2U},
+                                              {"force_mN_1", force, 1U},
                                               {"obs/ft.2", wrench, 2U}}) {
     const ColumnName got = parse_column_name(name);
     EXPECT_TRUE(got.is(quantity)) << name;
     EXPECT_EQ(got.index, index) << name;
   }
   EXPECT_EQ(parse_column_name("actual_TCP_force_0").frame, "actual tcp");
+  EXPECT_EQ(parse_column_name("position_mm.2").factor, 1e-3);
 }
 
 TEST(ColumnName, WhatIsOpenStaysOpenUntilAUnitDecides) {
@@ -230,6 +233,7 @@ TEST(ForeignUnit, SpellingsOfTheTrade) {
                                     {"\xc2\xb0"
                                      "C",
                                      "rad"},
+                                    {"J", "N.m"},
                                     {"N/m", "N"}}) {
     EXPECT_EQ(foreign_unit_factor(written, si), std::nullopt) << written;
   }

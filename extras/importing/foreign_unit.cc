@@ -111,7 +111,8 @@ std::optional<double> foreign_unit_factor(std::string_view written, std::string_
                        text.find("Deg") != std::string::npos || text == "\xc2\xb0" || text == "\xc2\xba";
     if (!angle) return std::nullopt;
   }
-  if (unit) {
+  // A joule is no torque to anybody: "tau_J" is of joints.
+  if (unit && !(si == "N.m" && written == "J")) {
     if (const auto factor = factor_of(unit.get(), si)) return factor;
   }
   if (si != "N.m") return std::nullopt;

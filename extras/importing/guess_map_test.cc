@@ -142,6 +142,20 @@ TEST(GuessMap, ClocksByTheirNumbersOnlyWhereTheseAreSure) {
   EXPECT_THAT(at(0, 0.1, "Segment").decide, ::testing::Contains(HasSubstr("no name says which column is the clock")));
 }
 
+TEST(GuessMap, SixForcesAreAWrenchOnlyWhereThatIsSaid) {
+  const auto six_of = [](const char* name) {
+    std::string text = "t,z_mm";
+    for (int k = 0; k < 6; ++k) text += fmt::format(",{}_{}", name, k);
+    return guess_of(text + "\n" + rows_of([](int i) { return fmt::format("1,{},2,3,0.01,0.0{},0.03", i % 7, i % 5); }));
+  };
+  EXPECT_THAT(six_of("forces").decide, ::testing::Contains(HasSubstr("of a second sensor")));
+  EXPECT_FALSE(columns_of_guess(six_of("forces")).contains("tx_Nm"));
+  for (const char* const name : {"wrench", "ft", "actual_TCP_force"}) {
+    EXPECT_THAT(six_of(name).decide, ElementsAre()) << name;
+    EXPECT_TRUE(columns_of_guess(six_of(name)).contains("tx_Nm")) << name;
+  }
+}
+
 TEST(GuessMap, NumbersOfTheHeadAreReadAsTheyAreWritten) {
   const auto rate = [](const std::string& head) {
     const auto columns =

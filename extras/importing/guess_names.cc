@@ -39,6 +39,9 @@ void resolve_component(ColumnName& name, unsigned k, std::size_t count) {
     set(was, k);
   } else if (six && (was == Quantity::force || was == Quantity::wrench)) {
     set(k < 3 ? Quantity::force : Quantity::torque, k % 3);
+    // Universal Robots' guide says that its TCP force is a wrench.
+    const bool known = was == Quantity::wrench || name.frame.find("actual tcp") != std::string::npos;
+    if (k >= 3 && !known) name.doubt = "of six forces the last three may be torques, or those of a second sensor";
   } else if ((six || seven) && was == Quantity::pose && k < 3) {
     set(Quantity::position, k);
   } else if (was == Quantity::time || was == Quantity::count) {

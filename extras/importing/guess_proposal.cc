@@ -16,22 +16,22 @@ std::string MapProposal::reference(const ImportTable& table, std::size_t c) cons
 }
 
 // With the name that stands behind a number.
-std::string MapProposal::shown(const std::string& from) const {
+std::string MapProposal::shown(const std::string& source) const {
   for (const ImportTable& table : tables) {
     for (std::size_t c = 0; c < table.names.size(); ++c) {
-      if (reference(table, c) != from) continue;
+      if (reference(table, c) != source) continue;
       const std::string name = as_utf8(table.names[c]);
-      return from.ends_with(name) ? from : fmt::format("{} ({})", from, name);
+      return source.ends_with(name) ? source : fmt::format("{} ({})", source, name);
     }
   }
-  return from;
+  return source;
 }
 
-void MapProposal::use(const std::string& column, Json how, const std::string& from, const std::string& reason) {
+void MapProposal::use(const std::string& column, Json how, const std::string& source, const std::string& reason) {
   columns[column] = std::move(how);
-  used.push_back(from);
-  this->from[column] = shown(from);
-  reasons.push_back(fmt::format("{} <- {}: {}", column, shown(from), reason));
+  used.push_back(source);
+  from[column] = shown(source);
+  reasons.push_back(fmt::format("{} <- {}: {}", column, shown(source), reason));
 }
 
 void MapProposal::ask(const std::string& what, const std::string& why) {

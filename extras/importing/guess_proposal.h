@@ -31,8 +31,8 @@ struct MapProposal {
 
   // How a map names a column: by its name; by its number where the name is not in UTF-8 or not the only one.
   [[nodiscard]] std::string reference(const ImportTable& table, std::size_t c) const;
-  [[nodiscard]] std::string shown(const std::string& from) const;
-  void use(const std::string& column, Json how, const std::string& from, const std::string& reason);
+  [[nodiscard]] std::string shown(const std::string& source) const;
+  void use(const std::string& column, Json how, const std::string& source, const std::string& reason);
   void ask(const std::string& what, const std::string& why);
 };
 

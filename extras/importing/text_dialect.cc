@@ -50,6 +50,18 @@ bool without_thousands(std::string& text, char decimal, bool whole) {
   return true;
 }
 
+// "3/5/2024 " or "05.03.24 ", whose order of day and month is not known, away.
+std::string_view without_local_date(std::string_view field) {
+  constexpr std::size_t longest_date = 10, longest_day = 2;
+  const auto blank = field.find(' ');
+  if (blank > longest_date) return field;  // there is none, or it is none of a date
+  const std::string_view date = field.substr(0, blank);
+  const auto first = date.find_first_of("/.-");
+  if (first > longest_day || std::ranges::count(date, date[first]) != 2) return field;
+  const bool numbers = std::ranges::all_of(date, [&](char c) { return is_digit_sign(c) || c == date[first]; });
+  return numbers ? without_blanks(field.substr(blank)) : field;
+}
+
 }  // namespace
 
 std::vector<std::string_view> text_lines(std::string_view text) {
@@ -119,17 +131,6 @@ std::string shown_field(std::string_view text) {
     result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
   }
   return text.size() > 40 ? result + "..." : result;
-}
-
-// "3/5/2024 " or "05.03.24 ", whose order of day and month is not known, away.
-std::string_view without_local_date(std::string_view field) {
-  const auto blank = field.find(' ');
-  if (blank == std::string_view::npos || blank > 10) return field;
-  const std::string_view date = field.substr(0, blank);
-  const auto first = date.find_first_of("/.-");
-  if (first == std::string_view::npos || first > 2 || std::ranges::count(date, date[first]) != 2) return field;
-  const bool numbers = std::ranges::all_of(date, [&](char c) { return is_digit_sign(c) || c == date[first]; });
-  return numbers ? without_blanks(field.substr(blank)) : field;
 }
 
 std::optional<double> text_time_s(std::string_view field, char decimal) {
