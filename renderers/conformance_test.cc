@@ -12,6 +12,33 @@ std::string model(const std::string& renderer, const std::string& rest = "") {
          "}";
 }
 
+// An engine that computes while the servo loop goes on: each answer is that of the step before, which it declares.
+class LateRenderer : public rendering::Renderer {
+ public:
+  explicit LateRenderer(std::unique_ptr<rendering::Renderer> renderer) : renderer_(std::move(renderer)) {}
+
+ private:
+  void do_reset() override {
+    renderer_->reset();
+    held_ = {};
+  }
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
+    return std::exchange(held_, renderer_->step(tip));
+  }
+
+  std::unique_ptr<rendering::Renderer> renderer_;
+  rendering::StepResult held_;
+};
+
+RendererSubject late(RendererSubject subject) {
+  subject.name += "_late";
+  subject.lag_samples = 1;
+  subject.make = [inner = subject.make](std::shared_ptr<const surface::Surface> surface, double unit) {
+    return std::make_unique<LateRenderer>(inner(std::move(surface), unit));
+  };
+  return subject;
+}
+
 std::vector<RendererSubject> subjects() {
   const std::string friction =
       R"("effects": [{"name": "coulomb-friction", "parameters": {"mu_static": 0.4, "mu_dynamic": 0.3}}])";
@@ -36,6 +63,7 @@ std::vector<RendererSubject> subjects() {
       subject_of("voxel", model("voxel", R"("parameters": {"resolution": 32})"), 500.0),
       subject_of("voxel_sparse", model("voxel-sparse", R"("parameters": {"resolution": 32})"), 500.0),
       implicit,
+      late(subject_of("god_object", model("god-object"), 500.0)),
   };
   if (surface::exact_surface_available()) {
     all.push_back(subject_of("god_object_exact_queries", model("god-object"), 500.0));

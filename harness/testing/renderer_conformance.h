@@ -47,6 +47,7 @@
 #include "harness/testing/conformance_failure.h"
 #include "harness/testing/conformance_shapes.h"
 #include "harness/testing/renderer_behaviour.h"
+#include "harness/testing/settled_renderer.h"
 
 namespace touchstone::testing {
 
@@ -96,7 +97,8 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
     return make_embree_surface(moved(shape().mesh, pose.turn, pose.shift, pose.unit));
   }
   [[nodiscard]] std::unique_ptr<rendering::Renderer> make(const Pose& pose = {}) const {
-    return subject().make(subject().queries(moved(shape().mesh, pose.turn, pose.shift, pose.unit)), pose.unit);
+    return settled(subject().make(subject().queries(moved(shape().mesh, pose.turn, pose.shift, pose.unit)), pose.unit),
+                   subject().lag_samples);
   }
 
   // Taps, strokes at up to 0.5 mm depth and retreats all about the shape; begins and ends outside. A stroke does not
