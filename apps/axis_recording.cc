@@ -2,20 +2,50 @@
 
 #include <fmt/format.h>
 
-#include "harness/base/atomic_file.h"
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "apps/extras.h"
+#include "harness/recording/table_source.h"
 
 namespace touchstone::apps {
 
-ExitStatus axis_command(const AxisOptions& options) {
-  pipeline::AxisInput input = pipeline::load_axis(options.request.recording, options.request.flip_force);
-  for (const std::string& remark : check_axis(input)) fmt::print(stderr, "warning: {}\n", remark);
-  const pipeline::AxisResult result = run_axis(options.request, std::move(input));
-  fmt::print("{}", result.text());
-  if (!options.json.empty()) write_file(options.json, result.json());
-  if (!options.out.empty()) {
-    fmt::print("report: {}\n", write_axis(options.request, result, command_line(), options.out).string());
+bool is_axis_recording(const std::string& path) {
+  constexpr std::array<std::pair<const char*, const char*>, 2> place_and_load{
+      {{"q_rad", "torque_Nm"}, {"q_m", "force_N"}}};
+  try {
+    const std::vector<std::string> names = recording::open_table(path)->names();
+    return std::ranges::any_of(place_and_load, [&](const auto& columns) {
+      return std::ranges::count(names, columns.first) > 0 && std::ranges::count(names, columns.second) > 0;
+    });
+  } catch (const BadData&) {
+    return false;  // what is wrong with it, the command that reads it says better
   }
-  return ExitStatus::passed;
+}
+
+ExitStatus run_axis(const AxisRecording& options) {
+  if (!options.useless.empty()) {
+    throw UsageError(
+        fmt::format("{}: {} is a recording of one axis, which has no use for it: its terms are searched for and its "
+                    "blocks held out without",
+                    options.useless.front(), options.recording));
+  }
+  const std::optional<Extra> axis = find_extra("axis");
+  if (!axis) {
+    throw UsageError(
+        fmt::format("{} is a recording of one axis, which the extra `touchstone axis` fits; the program "
+                    "touchstone-axis is neither beside this one nor on PATH",
+                    options.recording));
+  }
+  std::vector<std::string> words{options.recording};
+  for (const auto& [flag, value] :
+       {std::pair{"--repeat", options.repeat}, {"--out", options.out}, {"--json", options.json}}) {
+    if (!value.empty()) words.insert(words.end(), {flag, value});
+  }
+  if (options.flip_force) words.emplace_back("--flip-force");
+  return run_extra_and_wait(*axis, words);
 }
 
 }  // namespace touchstone::apps

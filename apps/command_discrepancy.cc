@@ -22,31 +22,25 @@ struct DiscrepancyOptions {
   PluginFlags plugins;
 };
 
-// What one axis has beside its place: a search of its own (harness/axis).
 ExitStatus discrepancy_of_axis(const DiscrepancyOptions& options) {
   const pipeline::DiscrepancyFiles& files = options.files;
-  const auto refuse = [&](bool given, const char* flag) {
-    if (given) {
-      throw UsageError(
-          fmt::format("{}: {} is a recording of one axis, which has no use for it: its terms are searched for "
-                      "and its blocks held out without",
-                      flag, files.recording.string()));
-    }
+  AxisRecording axis{files.recording.string(), files.repeat.string(), files.flip_force,
+                     files.out.string(),       options.json.string(), {}};
+  const auto has_no_use_for = [&](bool given, const char* flag) {
+    if (given) axis.useless.emplace_back(flag);
   };
-  refuse(!files.mesh.empty(), "--mesh");
-  refuse(!files.model.empty(), "--model");
-  refuse(!files.holdout.empty(), "--holdout");
-  refuse(!files.instrument.empty(), "--instrument");
-  refuse(!files.effects.empty(), "--effect");
-  refuse(!files.golden.empty(), "--golden");
-  refuse(options.verify, "--verify");
+  has_no_use_for(!files.mesh.empty(), "--mesh");
+  has_no_use_for(!files.model.empty(), "--model");
+  has_no_use_for(!files.holdout.empty(), "--holdout");
+  has_no_use_for(!files.effects.empty(), "--effect");
+  has_no_use_for(!files.golden.empty(), "--golden");
+  has_no_use_for(options.verify, "--verify");
   if (files.out.empty()) throw UsageError("--out: a folder for the results is needed");
-  return axis_command(
-      {{files.recording.string(), files.repeat.string(), files.flip_force}, files.out.string(), options.json.string()});
+  return run_axis(axis);
 }
 
 ExitStatus discrepancy(DiscrepancyOptions options) {
-  if (pipeline::is_axis_recording(options.files.recording.string())) return discrepancy_of_axis(options);
+  if (is_axis_recording(options.files.recording.string())) return discrepancy_of_axis(options);
   if (options.files.model.empty()) throw UsageError("--model is required");
   const plugin::Plugins plugins = options.plugins.load();
   if (!options.plugins.libraries.empty()) options.files.plugins = &plugins;

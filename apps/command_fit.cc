@@ -22,23 +22,18 @@ struct FitOptions {
   std::string model, metric = "rms_force_error", fit_range = "all", score_range = "all", out = default_out, json;
 };
 
-// A recording of one axis has no object and no model to fit: its terms are known (harness/axis).
 ExitStatus fit_of_axis(const FitOptions& options) {
-  const auto refuse = [&](bool given, const char* flag) {
-    if (given) {
-      throw UsageError(
-          fmt::format("{}: {} is a recording of one axis, which has no use for it: its terms are fitted and "
-                      "its blocks held out without",
-                      flag, options.flags.recording));
-    }
+  AxisRecording axis{
+      options.flags.recording, options.flags.repeat, options.flags.flip_force, options.out, options.json, {}};
+  const auto has_no_use_for = [&](bool given, const char* flag) {
+    if (given) axis.useless.emplace_back(flag);
   };
-  refuse(!options.flags.mesh.empty(), "--mesh");
-  refuse(!options.model.empty(), "--model");
-  refuse(!options.parameters.empty(), "--parameter");
-  refuse(options.fit_range != "all", "--fit-range");
-  refuse(options.score_range != "all", "--score-range");
-  return axis_command(
-      {{options.flags.recording, options.flags.repeat, options.flags.flip_force}, options.out, options.json});
+  has_no_use_for(!options.flags.mesh.empty(), "--mesh");
+  has_no_use_for(!options.model.empty(), "--model");
+  has_no_use_for(!options.parameters.empty(), "--parameter");
+  has_no_use_for(options.fit_range != "all", "--fit-range");
+  has_no_use_for(options.score_range != "all", "--score-range");
+  return run_axis(axis);
 }
 
 void need(bool given, const char* flag) {
@@ -46,7 +41,7 @@ void need(bool given, const char* flag) {
 }
 
 ExitStatus fit_command(const FitOptions& options) {
-  if (pipeline::is_axis_recording(options.flags.recording)) return fit_of_axis(options);
+  if (is_axis_recording(options.flags.recording)) return fit_of_axis(options);
   need(!options.flags.mesh.empty(), "--mesh");
   need(!options.model.empty(), "--model");
   need(!options.parameters.empty(), "--parameter");

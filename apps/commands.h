@@ -10,7 +10,6 @@
 namespace touchstone::apps {
 
 void add_acquire(CLI::App& program, Run& run);
-void add_axis(CLI::App& program, Run& run);
 void add_bisect(CLI::App& program, Run& run);
 void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
@@ -48,7 +47,6 @@ inline std::vector<AddCommand> light_commands() {
 inline std::vector<AddCommand> commands() {
   return {
       add_acquire,
-      add_axis,
       add_bisect,
       add_check,
       add_compare,

@@ -7,6 +7,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -14,6 +15,7 @@
 #include <system_error>
 
 #include "harness/base/error.h"
+#include "harness/base/other_program.h"
 
 namespace touchstone::apps {
 namespace {
@@ -47,6 +49,12 @@ bool can_run(const fs::path& file) {
   std::error_code error;
   return fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0 &&
          !fs::equivalent(file, "/proc/self/exe", error);
+}
+
+void say_who_starts() { ::setenv("TOUCHSTONE_PROGRAM", (own_folder() / "touchstone").c_str(), 1); }
+
+std::string cannot_run(const Extra& extra, std::string_view why) {
+  return fmt::format("{}: {}; expected a program that this system runs", extra.program.string(), why);
 }
 
 }  // namespace
@@ -83,10 +91,21 @@ void become_extra(const Extra& extra, char** words) {
   arguments.push_back(first.data());
   for (; *words != nullptr; ++words) arguments.push_back(*words);
   arguments.push_back(nullptr);
-  ::setenv("TOUCHSTONE_PROGRAM", (own_folder() / "touchstone").c_str(), 1);
+  say_who_starts();
   std::signal(SIGXFSZ, SIG_DFL);  // what this program ignores the next one would
   ::execv(first.c_str(), arguments.data());
-  throw UsageError(fmt::format("{}: {}; expected a program that this system runs", first, std::strerror(errno)));
+  throw UsageError(cannot_run(extra, std::strerror(errno)));
+}
+
+ExitStatus run_extra_and_wait(const Extra& extra, const std::vector<std::string>& words) {
+  OtherProgram program{{extra.program.string()}};
+  program.words.insert(program.words.end(), words.begin(), words.end());
+  program.ends_with_this = true;
+  say_who_starts();
+  std::fflush(stdout);
+  const auto end = run_other(program);
+  if (!end) throw UsageError(cannot_run(extra, "it cannot be started"));
+  return static_cast<ExitStatus>(end->status);
 }
 
 }  // namespace touchstone::apps

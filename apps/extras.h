@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/error.h"
+
 namespace touchstone::apps {
 
 struct Extra {
@@ -25,5 +27,9 @@ std::optional<Extra> find_extra(std::string_view name);
 // Becomes the extra, with the words behind its name and the path of `touchstone` in the environment as
 // TOUCHSTONE_PROGRAM; its exit status is the program's. Throws UsageError where the system cannot run it.
 [[noreturn]] void become_extra(const Extra& extra, char** words);
+
+// Runs it with these words and waits; its exit status. For a command that leaves its work to an extra. Throws
+// UsageError where the system cannot run it.
+ExitStatus run_extra_and_wait(const Extra& extra, const std::vector<std::string>& words);
 
 }  // namespace touchstone::apps

@@ -75,5 +75,30 @@ TEST_F(Extras, AreNotThePartsOfTheProgram) {
   }
 }
 
+// `fit` and `discrepancy` leave a recording of one axis to touchstone-axis, which comes before any other on PATH.
+TEST_F(Extras, ARecordingOfOneAxisIsFittedByTheExtra) {
+  add("axis", "#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 3\n");
+  write_file(folder_ / "joint.csv", "t_s,q_rad,torque_Nm\n0,0,1\n0.1,0.1,1.1\n");
+  const auto bare = folder_ / "bare";  // a program without extras beside it
+  std::filesystem::create_directories(bare);
+  for (const char* const name : {"touchstone", "touchstone-full"})
+    std::filesystem::create_hard_link(std::filesystem::path(program_).parent_path() / name, bare / name);
+  const auto with_path = [&](const std::string& path, const std::string& words) {
+    return testing::run_command(fmt::format("PATH='{}' '{}' {}", path, (bare / "touchstone").string(), words), folder_);
+  };
+  const std::string path = "/usr/bin:/bin:" + (folder_ / "more").string();
+  const Outcome fit = with_path(path, "fit --recording joint.csv --repeat joint.csv --out joint");
+  EXPECT_EQ(fit.status, 3) << fit.err;
+  EXPECT_EQ(fit.out, "<joint.csv><--repeat><joint.csv><--out><joint>");
+  EXPECT_EQ(with_path(path, "discrepancy --recording joint.csv --flip-force --out d").out,
+            "<joint.csv><--out><d><--flip-force>");
+  const Outcome useless = with_path(path, "fit --recording joint.csv --mesh object.obj");
+  EXPECT_EQ(useless.status, 2);
+  EXPECT_THAT(useless.err, HasSubstr("--mesh: joint.csv is a recording of one axis, which has no use for it"));
+  const Outcome without = with_path("/usr/bin:/bin", "fit --recording joint.csv");
+  EXPECT_EQ(without.status, 2);
+  EXPECT_THAT(without.err, HasSubstr("touchstone-axis is neither beside this one nor on PATH"));
+}
+
 }  // namespace
 }  // namespace touchstone::apps

@@ -6,7 +6,6 @@
 
 #include "apps/extra_formats.h"
 #include "harness/acquisition/file_formats.h"
-#include "harness/axis/file_formats.h"
 #include "harness/baseline/file_formats.h"
 #include "harness/bisection/file_formats.h"
 #include "harness/diagnosis/file_formats.h"
@@ -71,7 +70,6 @@ std::vector<const FileFormat*> file_formats() {
                                                     pipeline::golden_floor_file_formats(),
                                                     pipeline::fitting_file_formats(),
                                                     acquisition::file_formats(),
-                                                    axis::file_formats(),
                                                     pipeline::sweep_file_formats(),
                                                     runs::file_formats(),
                                                     bisection::file_formats(),

@@ -13,6 +13,7 @@
 #include "apps/evaluation_flags.h"
 #include "apps/program.h"
 #include "apps/python/module.h"
+#include "command_axis.h"
 #include "harness/base/input_files.h"
 #include "leaderboard_command.h"
 #include "study_commands.h"
@@ -67,7 +68,7 @@ class ProtectedInputs {
 // The program's, and those of the extras that have a function of the package.
 std::vector<AddCommand> all_commands() {
   std::vector<AddCommand> all = commands();
-  all.insert(all.end(), {studies::add_atlas, board::add_leaderboard});
+  all.insert(all.end(), {axis::add_axis, board::add_leaderboard, studies::add_atlas});
   return all;
 }
 

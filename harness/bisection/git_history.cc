@@ -1,39 +1,15 @@
 #include "harness/bisection/git_history.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <map>
 #include <sstream>
 
-#include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/bisection/child_process.h"
 
 namespace touchstone::bisection {
 namespace {
-
-// Gone with what it holds.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "touchstone-git-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw BadData(fmt::format("{}: cannot be made", name));
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 std::vector<std::string> words_of(const std::string& text) {
   std::istringstream in(text);
@@ -49,31 +25,26 @@ GitHistory::GitHistory(std::filesystem::path repository) : repository_(std::move
     throw UsageError(fmt::format("--repository {}: is no git repository", repository_.string()));
 }
 
-GitHistory::Answer GitHistory::ask(const std::vector<std::string>& words) const {
-  const std::atomic<bool> never = false;
-  const ScratchFolder scratch;
-  ChildCommand command;
-  command.words = {"git", "-C", repository_.string()};
-  command.words.insert(command.words.end(), words.begin(), words.end());
-  command.out = scratch.path() / "out";
-  command.log = scratch.path() / "log";
-  Answer answer;
-  answer.status = run_child(command, never);
-  answer.out = read_file(command.out);
-  answer.said = read_file(command.log);
+ProgramEnd GitHistory::ask(const std::vector<std::string>& words) const {
+  // Without a terminal: it asks for nothing, and an interrupt of the bisection does not reach it half-way.
+  OtherProgram program{{"git", "-C", repository_.string()}, Printed::kept, Printed::kept, "/dev/null", true};
+  program.words.insert(program.words.end(), words.begin(), words.end());
+  auto end = run_other(program);
+  if (!end) throw UsageError("git cannot be run; it is needed to bisect");
+  ProgramEnd answer = *std::move(end);
   while (answer.out.ends_with('\n')) answer.out.pop_back();
   return answer;
 }
 
 std::string GitHistory::git(const std::vector<std::string>& words) const {
-  Answer answer = ask(words);
+  ProgramEnd answer = ask(words);
   if (answer.status != 0)
-    throw BadData(fmt::format("git {} failed in {}: {}", fmt::join(words, " "), repository_.string(), answer.said));
+    throw BadData(fmt::format("git {} failed in {}: {}", fmt::join(words, " "), repository_.string(), answer.err));
   return std::move(answer.out);
 }
 
 std::string GitHistory::commit(const std::string& revision, const std::string& option) const {
-  Answer answer = ask({"rev-parse", "--verify", "--quiet", revision + "^{commit}"});
+  ProgramEnd answer = ask({"rev-parse", "--verify", "--quiet", revision + "^{commit}"});
   if (answer.status != 0 || answer.out.empty())
     throw UsageError(fmt::format("{}: {} is no commit in {}", option, revision, repository_.string()));
   return std::move(answer.out);
@@ -108,7 +79,7 @@ std::vector<GitHistory::Branch> GitHistory::merged(const std::string& merge, con
   std::vector<Branch> branches;
   for (const std::string& parent : words_of(git({"show", "-s", "--format=%P", merge}))) {
     if (parent == before) continue;
-    const Answer base = ask({"merge-base", before, parent});
+    const ProgramEnd base = ask({"merge-base", before, parent});
     // Histories without a common commit: nothing to compare with.
     if (base.status == 0 && base.out != parent) branches.push_back({base.out, parent});
   }

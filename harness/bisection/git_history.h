@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/other_program.h"
+
 namespace touchstone::bisection {
 
 class GitHistory {
@@ -31,12 +33,7 @@ class GitHistory {
   [[nodiscard]] const std::filesystem::path& repository() const noexcept { return repository_; }
 
  private:
-  struct Answer {
-    int status = 0;
-    std::string out;
-    std::string said;
-  };
-  [[nodiscard]] Answer ask(const std::vector<std::string>& words) const;
+  [[nodiscard]] ProgramEnd ask(const std::vector<std::string>& words) const;
   std::filesystem::path repository_;
 };
 

@@ -1,10 +1,6 @@
 #include "harness/report/gnuplot.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +9,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/other_program.h"
 #include "harness/report/ctest_measurement.h"
 #include "harness/report/drawn_pixels.h"
 
@@ -98,20 +95,9 @@ std::string write_plot(const Plot& plot, const std::filesystem::path& png) {
   const AtomicFile script_file(png.string() + ".gnuplot");  // for gnuplot alone: never put in place
   const std::string script = script_file.path().string();
   write_file(script, script_of(plot, picture.path()));
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
-  std::string program = "gnuplot";
-  std::string argument = script;
-  std::array<char*, 3> arguments{program.data(), argument.data(), nullptr};
-  pid_t child = 0;
-  const int failed = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  int status = 0;
-  if (failed == 0) waitpid(child, &status, 0);
-  if (failed != 0) return "gnuplot is not installed (Debian package gnuplot-nox)";
-  if (status != 0) return "gnuplot failed";
+  const auto end = run_other({{"gnuplot", script}, Printed::dropped, Printed::dropped});
+  if (!end) return "gnuplot is not installed (Debian package gnuplot-nox)";
+  if (end->status != 0) return "gnuplot failed";
   if (auto problem = picture_problem(plot, picture.path()); !problem.empty()) return problem;
   picture.commit();
   return {};

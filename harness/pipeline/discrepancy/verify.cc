@@ -1,19 +1,14 @@
 #include "harness/pipeline/discrepancy/verify.h"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/other_program.h"
 
 namespace touchstone::pipeline {
 
@@ -32,10 +27,6 @@ double rms_of_files_N(const rendering::Catalogue& catalogue, const DiscrepancyFi
 }
 
 std::optional<double> rms_in_fresh_process_N(const DiscrepancyFiles& files) {
-  // Kept until the run has ended: what is wrong with mesh and recording was said before the search.
-  const std::unique_ptr<std::FILE, decltype(&std::fclose)> said(std::tmpfile(), &std::fclose);
-  std::array<int, 2> ends{};
-  if (!said || pipe(ends.data()) != 0) return std::nullopt;
   std::vector<std::string> words{files.program.string(),
                                  "discrepancy",
                                  "--verify",
@@ -45,40 +36,14 @@ std::optional<double> rms_in_fresh_process_N(const DiscrepancyFiles& files) {
   if (!files.mesh.empty()) words.push_back("--mesh=" + files.mesh.string());
   if (files.repair) words.emplace_back("--repair");
   if (files.flip_force) words.emplace_back("--flip-force");
-  std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(said.get()), STDERR_FILENO);
-  posix_spawn_file_actions_addclose(&actions, ends[0]);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, words[0].c_str(), &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  close(ends[1]);
-  std::string text;
-  std::array<char, 256> buffer{};
-  while (failed == 0) {
-    const ssize_t got = read(ends[0], buffer.data(), buffer.size());
-    if (got <= 0) break;
-    text.append(buffer.data(), static_cast<std::size_t>(got));
-  }
-  close(ends[0]);
-  if (failed != 0) return std::nullopt;
-  int status = 0;
-  waitpid(child, &status, 0);
+  // What is wrong with mesh and recording was said before the search.
+  const std::optional<ProgramEnd> run = run_other({words, Printed::kept, Printed::kept});
+  if (!run) return std::nullopt;
   char* end = nullptr;
-  const double rms = std::strtod(text.c_str(), &end);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || end == text.c_str()) {
-    std::rewind(said.get());
-    std::string words_of_the_run;
-    while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), said.get()))
-      words_of_the_run.append(buffer.data(), got);
-    throw BadData(fmt::format("{}: a fresh process could not run the written model:\n{}", files.model.string(),
-                              words_of_the_run));
-  }
+  const double rms = std::strtod(run->out.c_str(), &end);
+  if (run->status != 0 || end == run->out.c_str())
+    throw BadData(
+        fmt::format("{}: a fresh process could not run the written model:\n{}", files.model.string(), run->err));
   return rms;
 }
 

@@ -1,12 +1,9 @@
 #include "harness/pipeline/golden/noise_floor.h"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -17,6 +14,7 @@
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/json_values.h"
+#include "harness/base/other_program.h"
 #include "harness/base/progress.h"
 #include "harness/baseline/column_file.h"
 #include "harness/baseline/compare.h"
@@ -54,16 +52,9 @@ class ScratchFolder {
 
 void run_render(const std::string& program, const std::string& golden, const std::string& one,
                 const std::filesystem::path& to) {
-  std::array<std::string, 8> words{program, "golden", "render", one, "--golden", golden, "--to", to.string()};
-  std::array<char*, 9> arguments{};
-  for (std::size_t i = 0; i < words.size(); ++i) arguments[i] = words[i].data();
-  pid_t child = 0;
-  int status = 1;
-  if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ) != 0) {
-    throw UsageError(fmt::format("--program {}: cannot be run", program));
-  }
-  ::waitpid(child, &status, 0);
-  if (status != 0) throw BadData(fmt::format("{} golden render {}: failed", program, one));
+  const auto end = run_other({{program, "golden", "render", one, "--golden", golden, "--to", to.string()}});
+  if (!end) throw UsageError(fmt::format("--program {}: cannot be run", program));
+  if (end->status != 0) throw BadData(fmt::format("{} golden render {}: failed", program, one));
 }
 
 struct Floor {

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "harness/axis/axis_fit.h"
+#include "axis_fit.h"
 #include "harness/base/random.h"
 
 namespace touchstone::axis::made {

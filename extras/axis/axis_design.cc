@@ -1,4 +1,4 @@
-#include "harness/axis/axis_design.h"
+#include "axis_design.h"
 
 #include <fmt/format.h>
 

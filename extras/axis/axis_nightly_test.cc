@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-#include "harness/axis/made_axis_for_test.h"
+#include "made_axis_for_test.h"
 
 namespace touchstone::axis {
 namespace {

@@ -1,4 +1,4 @@
-#include "harness/axis/axis_fit.h"
+#include "axis_fit.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <optional>
 
-#include "harness/axis/axis_design.h"
+#include "axis_design.h"
 #include "harness/base/error.h"
 #include "harness/base/least_squares.h"
 #include "harness/stats/quantile.h"

@@ -1,12 +1,35 @@
+#include "command_axis.h"
+
+#include <fmt/format.h>
+
 #include <memory>
 
-#include "apps/axis_recording.h"
-#include "apps/command.h"
-#include "apps/commands.h"
+#include "axis_run.h"
+#include "harness/base/atomic_file.h"
 
-namespace touchstone::apps {
+namespace touchstone::axis {
+namespace {
 
-void add_axis(CLI::App& program, Run& run) {
+struct AxisOptions {
+  AxisRequest request;
+  std::string out, json;  // a folder for axis.json and report.html, and a file for axis.json; empty: none
+};
+
+ExitStatus axis_command(const AxisOptions& options) {
+  AxisInput input = load_axis(options.request.recording, options.request.flip_force);
+  for (const std::string& remark : check_axis(input)) fmt::print(stderr, "warning: {}\n", remark);
+  const AxisResult result = run_axis(options.request, std::move(input));
+  fmt::print("{}", result.text());
+  if (!options.json.empty()) write_file(options.json, result.json());
+  if (!options.out.empty()) {
+    fmt::print("report: {}\n", write_axis(options.request, result, apps::command_line(), options.out).string());
+  }
+  return ExitStatus::passed;
+}
+
+}  // namespace
+
+void add_axis(CLI::App& program, apps::Run& run) {
   auto* const command = program.add_subcommand(
       "axis", "Torque over angle or force over indentation: what the place makes, friction, inertia, relaxation");
   const auto options = std::make_shared<AxisOptions>();
@@ -31,4 +54,4 @@ void add_axis(CLI::App& program, Run& run) {
   command->callback([&run, options] { run = [options] { return axis_command(*options); }; });
 }
 
-}  // namespace touchstone::apps
+}  // namespace touchstone::axis

@@ -1,17 +1,15 @@
-#include "harness/pipeline/axis/axis_input.h"
+#include "axis_input.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <optional>
 
 #include "harness/acquisition/raw_table.h"
 #include "harness/base/error.h"
 #include "harness/recording/recording_file.h"
-#include "harness/recording/table_source.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::axis {
 using recording::Recording;
 
 namespace {
@@ -20,7 +18,7 @@ struct AxisColumns {
   const char* place;
   const char* rate;
   const char* load;
-  axis::AxisWords words;
+  AxisWords words;
 };
 
 const std::array<AxisColumns, 2>& axis_columns() {
@@ -30,7 +28,7 @@ const std::array<AxisColumns, 2>& axis_columns() {
   return known;
 }
 
-const axis::AxisWords indentation{"indentation", "m", "force", "N", true};
+const AxisWords indentation{"indentation", "m", "force", "N", true};
 
 // A recording that presses along z: indentation grows downwards, the force pushes up.
 AxisInput pressed_along_z(const std::string& path) {
@@ -44,17 +42,6 @@ AxisInput pressed_along_z(const std::string& path) {
 }
 
 }  // namespace
-
-bool is_axis_recording(const std::string& path) {
-  try {
-    const std::vector<std::string> names = recording::open_table(path)->names();
-    return std::ranges::any_of(axis_columns(), [&](const AxisColumns& columns) {
-      return std::ranges::count(names, columns.place) > 0 && std::ranges::count(names, columns.load) > 0;
-    });
-  } catch (const BadData&) {
-    return false;  // what is wrong with it, the command that reads it says better
-  }
-}
 
 AxisInput load_axis(const std::string& path, bool flip_force) {
   const acquisition::RawTable table(path);
@@ -79,7 +66,7 @@ AxisInput load_axis(const std::string& path, bool flip_force) {
   return *std::move(input);
 }
 
-Recording as_recording(const axis::AxisRun& run) {
+Recording as_recording(const AxisRun& run) {
   Recording recording;
   recording.source = run.source;
   recording.motion.t_s = run.t_s;
@@ -90,4 +77,4 @@ Recording as_recording(const axis::AxisRun& run) {
   return recording;
 }
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::axis

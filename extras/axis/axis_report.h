@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "harness/axis/axis_fit.h"
+#include "axis_fit.h"
 
 namespace touchstone::axis {
 

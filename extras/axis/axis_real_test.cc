@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "harness/axis/axis_fit.h"
-#include "harness/axis/axis_report.h"
+#include "axis_fit.h"
+#include "axis_report.h"
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::axis {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "harness/axis/axis_fit.h"
-#include "harness/pipeline/axis/axis_input.h"
+#include "axis_fit.h"
+#include "axis_input.h"
 #include "harness/report/provenance.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::axis {
 
 struct AxisRequest {
   std::string recording, repeat;  // repeat: the same motion recorded again; empty: none
@@ -19,8 +19,8 @@ struct AxisRequest {
 
 struct AxisResult {
   AxisInput input;
-  axis::AxisFit fit;
-  std::optional<axis::AxisFloor> floor;
+  AxisFit fit;
+  std::optional<AxisFloor> floor;
 
   [[nodiscard]] std::string text() const;  // for people
   [[nodiscard]] std::string json() const;  // schema "touchstone-axis/1"
@@ -37,4 +37,4 @@ AxisResult run_axis(const AxisRequest& request, AxisInput input);
 std::filesystem::path write_axis(const AxisRequest& request, const AxisResult& result,
                                  const std::vector<std::string>& command_line, const std::filesystem::path& folder);
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::axis

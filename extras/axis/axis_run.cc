@@ -1,21 +1,21 @@
-#include "harness/pipeline/axis/axis_run.h"
+#include "axis_run.h"
 
 #include <fmt/format.h>
 
 #include <utility>
 
-#include "harness/axis/axis_report.h"
+#include "axis_page.h"
+#include "axis_report.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/pipeline/axis/axis_page.h"
 #include "harness/report/page_html.h"
 #include "harness/sanity/repeat_floor.h"
 #include "harness/sanity/sanity.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::axis {
 
-std::string AxisResult::text() const { return axis::axis_text(fit, input.words, floor); }
-std::string AxisResult::json() const { return axis::axis_json(fit, input.words, floor); }
+std::string AxisResult::text() const { return axis_text(fit, input.words, floor); }
+std::string AxisResult::json() const { return axis_json(fit, input.words, floor); }
 
 std::vector<std::string> check_axis(const AxisInput& input) {
   return sanity::refuse_insane(as_recording(input.run), {});
@@ -23,15 +23,15 @@ std::vector<std::string> check_axis(const AxisInput& input) {
 
 AxisResult run_axis(const AxisRequest& request, AxisInput input) {
   AxisResult result{std::move(input), {}, {}};
-  result.fit = axis::fit_axis(result.input.run);
+  result.fit = fit_axis(result.input.run);
   if (!request.repeat.empty()) {
     const AxisInput repeat = load_axis(request.repeat, request.flip_force);
     const auto repeated = sanity::repeat_floor(as_recording(result.input.run), as_recording(repeat.run));
-    result.floor = axis::AxisFloor{repeated.force_N, repeated.within_N};
+    result.floor = AxisFloor{repeated.force_N, repeated.within_N};
   }
   if (result.fit.reversed) {
     throw BadData(fmt::format("{}: reversed {}: {}", request.recording, result.input.words.load,
-                              axis::axis_remarks(result.fit, result.input.words, result.floor).front()));
+                              axis_remarks(result.fit, result.input.words, result.floor).front()));
   }
   return result;
 }
@@ -48,4 +48,4 @@ std::filesystem::path write_axis(const AxisRequest& request, const AxisResult& r
   return page;
 }
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::axis

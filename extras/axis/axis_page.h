@@ -3,14 +3,14 @@
 
 #include <optional>
 
-#include "harness/axis/axis_fit.h"
-#include "harness/pipeline/axis/axis_input.h"
+#include "axis_fit.h"
+#include "axis_input.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::axis {
 
-report::Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const std::optional<axis::AxisFloor>& floor,
+report::Page axis_page(const AxisInput& input, const AxisFit& fit, const std::optional<AxisFloor>& floor,
                        const report::Provenance& provenance);
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::axis

@@ -1,6 +1,6 @@
 // Axes made with known terms: each is found at several scales, what is not there is not named, and what the motion
 // cannot tell apart is reported as such.
-#include "harness/axis/axis_fit.h"
+#include "axis_fit.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -11,10 +11,10 @@
 #include <map>
 #include <numbers>
 
-#include "harness/axis/axis_report.h"
-#include "harness/axis/made_axis_for_test.h"
+#include "axis_report.h"
 #include "harness/base/error.h"
 #include "harness/base/random.h"
+#include "made_axis_for_test.h"
 
 namespace touchstone::axis {
 using made::AxisTruth;

@@ -1,4 +1,4 @@
-#include "harness/axis/axis_report.h"
+#include "axis_report.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "harness/axis/axis_fit.h"
+#include "axis_fit.h"
 
 namespace touchstone::axis {
 

@@ -5,20 +5,16 @@
 
 #include <string>
 
-#include "harness/axis/axis_fit.h"
-#include "harness/axis/axis_report.h"
+#include "axis_fit.h"
+#include "axis_report.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::axis {
 
 struct AxisInput {
-  axis::AxisRun run;
-  axis::AxisWords words;  // what its columns are: angle and torque, place and force, indentation and force
+  AxisRun run;
+  AxisWords words;  // what its columns are: angle and torque, place and force, indentation and force
 };
-
-// Whether the file has a place and a load along one axis for columns: q_rad and torque_Nm, or q_m and force_N. A file
-// that cannot be read has none.
-bool is_axis_recording(const std::string& path);
 
 // Reads t_s with q_rad and torque_Nm (and qd_rad_per_s), with q_m and force_N (and qd_m_per_s), or a recording that
 // presses along z. `flip_force` negates the load. Throws BadData for a file without such columns, and as the readers
@@ -26,6 +22,6 @@ bool is_axis_recording(const std::string& path);
 AxisInput load_axis(const std::string& path, bool flip_force);
 
 // Place and load along x, for what looks at recordings. A place in rad stands for one in m.
-recording::Recording as_recording(const axis::AxisRun& run);
+recording::Recording as_recording(const AxisRun& run);
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::axis

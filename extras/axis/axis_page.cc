@@ -1,4 +1,4 @@
-#include "harness/pipeline/axis/axis_page.h"
+#include "axis_page.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "harness/report/evaluation_page.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::axis {
 using report::Line;
 using report::Section;
 using report::Tone;
@@ -15,11 +15,11 @@ using report::Tone;
 namespace {
 
 // Measured there and back, and fitted, over the place and over time.
-Section plots(const AxisInput& input, const axis::AxisFit& fit) {
+Section plots(const AxisInput& input, const AxisFit& fit) {
   constexpr std::size_t most_plotted = 6000;
-  const axis::AxisRun& run = input.run;
-  const axis::AxisWords& words = input.words;
-  const std::vector<double> fitted = axis::fitted_load(fit, run);
+  const AxisRun& run = input.run;
+  const AxisWords& words = input.words;
+  const std::vector<double> fitted = fitted_load(fit, run);
   const std::string load_label = fmt::format("{} [{}]", words.load, words.load_unit);
   report::LinePlot over_place, over_time;
   over_place.title = fmt::format("{} over {}", words.load, words.place);
@@ -56,17 +56,17 @@ Section plots(const AxisInput& input, const axis::AxisFit& fit) {
 
 }  // namespace
 
-report::Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const std::optional<axis::AxisFloor>& floor,
+report::Page axis_page(const AxisInput& input, const AxisFit& fit, const std::optional<AxisFloor>& floor,
                        const report::Provenance& provenance) {
-  const axis::AxisWords& words = input.words;
+  const AxisWords& words = input.words;
   report::Page page;
   page.title = fmt::format("{} over {} of {}", words.load, words.place,
                            std::filesystem::path(input.run.source).filename().string());
   page.subtitle = "One axis: what the place makes, and what the motion adds.";
-  for (const axis::AxisTerm& term : fit.terms) {
-    page.headlines.push_back(
-        {to_string(term.kind), fmt::format("{:.4g}", term.value), axis::unit_of_term(term.kind, words),
-         term.standard_error ? fmt::format("+- {:.2g}", *term.standard_error) : "", Tone::rendered});
+  for (const AxisTerm& term : fit.terms) {
+    page.headlines.push_back({to_string(term.kind), fmt::format("{:.4g}", term.value), unit_of_term(term.kind, words),
+                              term.standard_error ? fmt::format("+- {:.2g}", *term.standard_error) : "",
+                              Tone::rendered});
   }
   page.headlines.push_back({"held-out residual", fmt::format("{:.4g}", fit.after), words.load_unit,
                             fmt::format("RMS; {:.4g} about its mean", fit.before), Tone::error});
@@ -76,14 +76,14 @@ report::Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const s
                               Tone::reference});
   }
   Section found{"What was found", "", {}, false};
-  for (const std::string& remark : axis::axis_remarks(fit, words, floor)) {
+  for (const std::string& remark : axis_remarks(fit, words, floor)) {
     found.blocks.emplace_back(report::TextBlock{remark, Tone::warning});
   }
-  found.blocks.emplace_back(report::Code{"", axis::axis_values(fit, words)});
+  found.blocks.emplace_back(report::Code{"", axis_values(fit, words)});
   page.sections.push_back(std::move(found));
   page.sections.push_back(plots(input, fit));
   page.sections.push_back(provenance_section(provenance));
   return page;
 }
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::axis

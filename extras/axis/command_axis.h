@@ -1,0 +1,10 @@
+// The command `touchstone axis`.
+#pragma once
+
+#include "apps/command.h"
+
+namespace touchstone::axis {
+
+void add_axis(CLI::App& program, apps::Run& run);
+
+}  // namespace touchstone::axis
