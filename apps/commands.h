@@ -29,7 +29,6 @@ void add_list(CLI::App& program, Run& run);
 void add_perceive(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_scorecard(CLI::App& program, Run& run);
-void add_sweep(CLI::App& program, Run& run);
 void add_synth(CLI::App& program, Run& run);
 void add_tool(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
@@ -66,7 +65,6 @@ inline std::vector<AddCommand> commands() {
       add_perceive,
       add_replay,
       add_scorecard,
-      add_sweep,
       add_synth,
       add_tool,
       add_version,

@@ -14,7 +14,6 @@
 #include "harness/pipeline/evaluation/file_formats.h"
 #include "harness/pipeline/fitting/file_formats.h"
 #include "harness/pipeline/golden/file_formats.h"
-#include "harness/pipeline/sweep/file_formats.h"
 #include "harness/pipeline/tool_fitting/file_formats.h"
 #include "harness/pipeline/tool_reports/file_formats.h"
 #include "harness/recording/file_formats.h"
@@ -70,7 +69,6 @@ std::vector<const FileFormat*> file_formats() {
                                                     pipeline::golden_floor_file_formats(),
                                                     pipeline::fitting_file_formats(),
                                                     acquisition::file_formats(),
-                                                    pipeline::sweep_file_formats(),
                                                     runs::file_formats(),
                                                     bisection::file_formats(),
                                                     report::history_file_formats(),

@@ -68,7 +68,7 @@ class ProtectedInputs {
 // The program's, and those of the extras that have a function of the package.
 std::vector<AddCommand> all_commands() {
   std::vector<AddCommand> all = commands();
-  all.insert(all.end(), {axis::add_axis, board::add_leaderboard, studies::add_atlas});
+  all.insert(all.end(), {axis::add_axis, board::add_leaderboard, studies::add_atlas, studies::add_sweep});
   return all;
 }
 

@@ -1,6 +1,6 @@
-#include "harness/pipeline/sweep/sweep_cases.h"
+#include "sweep/sweep_cases.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::studies {
 using runs::CaseRow;
 
 runs::CaseTable sweep_table(const SweepDesign& design) {
@@ -43,7 +43,7 @@ CaseRow sweep_row(const SweepOutcome& outcome) {
   add(ran, s.rms_force_N);
   for (int axis = 0; axis < 3; ++axis) add(ran, s.mean_force_W_N[axis]);
   add(ran, s.contact_path_m);
-  const ExactError exact = outcome.exact.value_or(ExactError{});
+  const pipeline::ExactError exact = outcome.exact.value_or(pipeline::ExactError{});
   for (const double error : {exact.force_rms_N, exact.force_max_N, exact.contact_rms_m})
     add(outcome.exact.has_value(), error);
   add(ran, s.sha256);
@@ -51,4 +51,4 @@ CaseRow sweep_row(const SweepOutcome& outcome) {
   return row;
 }
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::studies

@@ -1,14 +1,14 @@
 // A sweep as cases for the engine (harness/runs/case_engine.h) and as rows of its store.
 #pragma once
 
-#include "harness/pipeline/sweep/world.h"
 #include "harness/runs/case_engine.h"
+#include "sweep/world.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::studies {
 
 runs::CaseTable sweep_table(const SweepDesign& design);
 // Both must live as long as the job.
 runs::CaseJob sweep_job(const SweepDesign& design, SweepWorld& world);
 runs::CaseRow sweep_row(const SweepOutcome& outcome);
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::studies

@@ -1,6 +1,6 @@
 // Sweeps of renderers of tools: what a specification says is what runs, rows hold the errors, and do not depend on how
 // the cases were shared.
-#include "harness/pipeline/sweep/tool_sweep.h"
+#include "sweep/tool_sweep.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 #include "renderers/tool/tool_catalogue.h"
 #include "synthetic/tool/known_contacts.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::studies {
 using runs::CaseRow;
 
 namespace {
@@ -124,4 +124,4 @@ TEST_F(SweepOfTools, WhatIsNoPartOfACaseIsRefused) {
 }
 
 }  // namespace
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::studies

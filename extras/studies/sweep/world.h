@@ -9,21 +9,21 @@
 
 #include "harness/baseline/golden_summary.h"
 #include "harness/pipeline/golden/exact_error.h"
-#include "harness/pipeline/sweep/design.h"
+#include "sweep/design.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::studies {
 
 struct SweepOutcome {
   SweepCase one;
   std::string error;  // empty: it ran
   baseline::GoldenSummary summary;
-  std::optional<ExactError> exact;  // where it is asked for, on generated surfaces
+  std::optional<pipeline::ExactError> exact;  // where it is asked for, on generated surfaces
 };
 
 class SweepWorld {
  public:
   // Both must live as long as the world.
-  SweepWorld(const Catalogues& catalogues, const SweepDesign& design);
+  SweepWorld(const pipeline::Catalogues& catalogues, const SweepDesign& design);
   ~SweepWorld();
   SweepWorld(const SweepWorld&) = delete;
   SweepWorld& operator=(const SweepWorld&) = delete;
@@ -38,4 +38,4 @@ class SweepWorld {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::studies

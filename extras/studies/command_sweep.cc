@@ -2,14 +2,15 @@
 #include <memory>
 
 #include "apps/case_flags.h"
-#include "apps/catalogues.h"
-#include "apps/commands.h"
-#include "harness/pipeline/sweep/sweep_cases.h"
-#include "harness/pipeline/sweep/tool_sweep.h"
+#include "renderers/catalogue.h"
 #include "renderers/tool/tool_catalogue.h"
+#include "study_commands.h"
+#include "sweep/sweep_cases.h"
+#include "sweep/tool_sweep.h"
+#include "synthetic/generators.h"
 #include "synthetic/tool/known_contacts.h"
 
-namespace touchstone::apps {
+namespace touchstone::studies {
 namespace {
 
 struct SweepOptions {
@@ -18,9 +19,9 @@ struct SweepOptions {
 };
 
 ExitStatus sweep_command(const SweepOptions& options) {
-  const pipeline::SweepDesign design(options.specification);
-  pipeline::SweepWorld world(built_in_catalogues(), design);
-  const pipeline::ToolSweep tools{renderers::tool_renderer_catalogue(), synthetic::known_contacts};
+  const SweepDesign design(options.specification);
+  SweepWorld world({renderers::built_in_catalogue(), synthetic::built_in_generators()}, design);
+  const ToolSweep tools{renderers::tool_renderer_catalogue(), synthetic::known_contacts};
   runs::CaseCommand command;
   command.job = design.of_tools() ? tool_sweep_job(design, tools) : sweep_job(design, world);
   command.table = design.of_tools() ? tool_sweep_table(design) : sweep_table(design);
@@ -32,7 +33,7 @@ ExitStatus sweep_command(const SweepOptions& options) {
 
 }  // namespace
 
-void add_sweep(CLI::App& program, Run& run) {
+void add_sweep(CLI::App& program, apps::Run& run) {
   auto* const command = program.add_subcommand(
       "sweep", "Run many cases: a grid, list or Latin hypercube of surfaces, motions and models");
   auto options = std::make_shared<SweepOptions>();
@@ -43,7 +44,7 @@ void add_sweep(CLI::App& program, Run& run) {
       ->required();
   command->add_option("--out", options->cases.file, "Results (SQLite); a run that stopped goes on in it")
       ->default_str("SPEC with .sqlite");
-  add_case_flags(*command, options->cases, "cases");
+  apps::add_case_flags(*command, options->cases, "cases");
   command->footer(
       "A case that fails is a row with its error. Exit status 1: cases are missing, or failed.\n"
       "Examples:\n"
@@ -58,4 +59,4 @@ void add_sweep(CLI::App& program, Run& run) {
   });
 }
 
-}  // namespace touchstone::apps
+}  // namespace touchstone::studies

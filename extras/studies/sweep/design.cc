@@ -1,4 +1,4 @@
-#include "harness/pipeline/sweep/design.h"
+#include "sweep/design.h"
 
 #include <fmt/format.h>
 
@@ -11,10 +11,10 @@
 #include "harness/base/json_reader.h"
 #include "harness/base/random.h"
 #include "harness/baseline/golden_case.h"
-#include "harness/pipeline/sweep/tool_sweep.h"
 #include "harness/rendering/model.h"
+#include "sweep/tool_sweep.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::studies {
 namespace {
 
 using nlohmann::json;
@@ -330,4 +330,4 @@ SweepCase SweepDesign::at(std::uint64_t number) const {
   return one;
 }
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::studies

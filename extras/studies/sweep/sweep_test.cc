@@ -14,11 +14,11 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/pipeline/sweep/sweep_cases.h"
 #include "renderers/catalogue.h"
+#include "sweep/sweep_cases.h"
 #include "synthetic/generators.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::studies {
 using runs::CaseStore;
 using runs::CaseTally;
 
@@ -302,4 +302,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& bad) { return std::string(bad.param.name); });
 
 }  // namespace
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::studies

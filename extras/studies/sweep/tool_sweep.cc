@@ -1,4 +1,4 @@
-#include "harness/pipeline/sweep/tool_sweep.h"
+#include "sweep/tool_sweep.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "harness/base/json_reader.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::studies {
 namespace {
 
 tool::ToolErrors run(const SweepCase& one, const ToolSweep& sweep) {
@@ -81,4 +81,4 @@ runs::CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep) 
   return job;
 }
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::studies

@@ -1,4 +1,4 @@
-#include "harness/pipeline/sweep/world.h"
+#include "sweep/world.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 #include "harness/runs/shared_cache.h"
 #include "harness/surface/embree_surface.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::studies {
 using recording::InTrajectory;
 
 namespace {
@@ -44,7 +44,7 @@ struct SharedSurface {
 }  // namespace
 
 struct SweepWorld::State {
-  State(const Catalogues& known, const SweepDesign& wanted) : catalogues(known), design(&wanted) {}
+  State(const pipeline::Catalogues& known, const SweepDesign& wanted) : catalogues(known), design(&wanted) {}
 
   void run(SweepOutcome& outcome) {
     const SweepCase& one = outcome.one;
@@ -55,7 +55,7 @@ struct SweepWorld::State {
     const double speed = positive(root, "speed");
     const auto world = surfaces.get(one.surface_key, [&] { return make_surface(root, scale); });
     const auto trajectory = trajectories.get(one.trajectory_key, [&] {
-      return std::make_shared<InTrajectory>(case_trajectory(
+      return std::make_shared<InTrajectory>(pipeline::case_trajectory(
           catalogues.generators,
           read_case_trajectory(root.object("trajectory"), design->folder(), baseline::CaseFiles::anywhere), scale,
           speed));
@@ -73,7 +73,7 @@ struct SweepWorld::State {
     auto made = std::make_shared<SharedSurface>();
     const baseline::CaseSurface wanted =
         read_case_surface(root.object("surface"), design->folder(), baseline::CaseFiles::anywhere);
-    made->surface = make_embree_surface(case_mesh(catalogues.generators, wanted, scale));
+    made->surface = surface::make_embree_surface(pipeline::case_mesh(catalogues.generators, wanted, scale));
     made->triangles = made->surface->mesh()->triangle_count();
     if (!wanted.generator.empty() && design->truth())
       made->exact = catalogues.generators.surface(wanted.generator, wanted.parameters);
@@ -86,14 +86,14 @@ struct SweepWorld::State {
     return value;
   }
 
-  Catalogues catalogues;
+  pipeline::Catalogues catalogues;
   const SweepDesign* design;
   runs::SharedCache<SharedSurface> surfaces{most_triangles,
                                             [](const SharedSurface& s) { return s.triangles + of_a_scene; }};
   runs::SharedCache<InTrajectory> trajectories{most_samples, [](const InTrajectory& t) { return t.size() + 1; }};
 };
 
-SweepWorld::SweepWorld(const Catalogues& catalogues, const SweepDesign& design)
+SweepWorld::SweepWorld(const pipeline::Catalogues& catalogues, const SweepDesign& design)
     : state_(std::make_unique<State>(catalogues, design)) {}
 SweepWorld::~SweepWorld() = default;
 
@@ -113,4 +113,4 @@ SweepOutcome SweepWorld::run(std::uint64_t number) {
   return outcome;
 }
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::studies

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "harness/base/json_reader.h"
-#include "harness/pipeline/sweep/design.h"
 #include "harness/runs/case_engine.h"
 #include "harness/tool/tool_errors.h"
 #include "harness/tool/tool_renderer_entry.h"
+#include "sweep/design.h"
 
-namespace touchstone::pipeline {
+namespace touchstone::studies {
 
 // A contact and a renderer of a specification. Throw BadData for a key that nothing reads.
 struct SweptContact {
@@ -37,4 +37,4 @@ runs::CaseTable tool_sweep_table(const SweepDesign& design);
 // Both must live as long as the job. A case that cannot be run is a row with its error.
 runs::CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep);
 
-}  // namespace touchstone::pipeline
+}  // namespace touchstone::studies
