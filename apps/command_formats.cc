@@ -8,7 +8,7 @@
 #include <set>
 
 #include "apps/commands.h"
-#include "apps/file_formats.h"
+#include "harness/base/bundled_files.h"
 #include "harness/base/error.h"
 #include "harness/base/file_description.h"
 #include "harness/base/json_reader.h"
@@ -23,18 +23,26 @@ struct FormatOptions {
   bool markdown = false, unseen = false;
 };
 
+// Of the program and of the extras that came with it: share/touchstone/formats/NAME.json.
+std::vector<FileFormat> known_formats() {
+  const auto folder = find_bundled("formats");
+  if (!folder) throw BadData("the tables of formats are missing: share/touchstone/formats belongs above the program");
+  std::vector<std::filesystem::path> tables;
+  for (const auto& entry : std::filesystem::directory_iterator(*folder)) tables.push_back(entry.path());
+  std::ranges::sort(tables);
+  return load_formats(tables);
+}
+
 // "findings" and "touchstone-findings" are the newest "touchstone-findings/N".
-const FileFormat& find_format(const std::vector<const FileFormat*>& all, const std::string& name,
-                              const std::string& whose) {
-  for (const FileFormat* const format : all) {
-    const std::string_view schema = format->schema;
-    const std::string_view short_name = schema.substr(0, schema.find('/'));
-    if (name == schema || name == short_name || "touchstone-" + name == short_name) return *format;
+const FileFormat& find_format(const std::vector<FileFormat>& all, const std::string& name, const std::string& whose) {
+  for (const FileFormat& format : all) {
+    const std::string short_name = format.schema.substr(0, format.schema.find('/'));
+    if (name == format.schema || name == short_name || "touchstone-" + name == short_name) return format;
   }
   throw UsageError(fmt::format("{}'{}' is no format that is known; `touchstone formats` lists them", whose, name));
 }
 
-const FileFormat& format_of(const std::vector<const FileFormat*>& all, const nlohmann::json& document,
+const FileFormat& format_of(const std::vector<FileFormat>& all, const nlohmann::json& document,
                             const std::filesystem::path& file, const std::string& as) {
   const std::string whose = file.string() + ": ";
   if (!as.empty()) return find_format(all, as, whose);
@@ -43,7 +51,7 @@ const FileFormat& format_of(const std::vector<const FileFormat*>& all, const nlo
   return find_format(all, document["schema"].get<std::string>(), whose);
 }
 
-ExitStatus check_files(const std::vector<const FileFormat*>& all, const FormatOptions& options) {
+ExitStatus check_files(const std::vector<FileFormat>& all, const FormatOptions& options) {
   std::size_t faults = 0;
   std::map<const FileFormat*, std::set<std::string>> seen;
   const auto say = [&](const std::filesystem::path& file, const std::vector<std::string>& differences) {
@@ -72,19 +80,19 @@ ExitStatus check_files(const std::vector<const FileFormat*>& all, const FormatOp
 }
 
 ExitStatus run_formats(const FormatOptions& options) {
-  const auto all = file_formats();
+  const std::vector<FileFormat> all = known_formats();
   if (!options.explained.empty() || !options.checked.empty()) return check_files(all, options);
   if (options.markdown) {
-    for (const FileFormat* const format : all) fmt::print("{}", format_markdown(*format));
+    for (const FileFormat& format : all) fmt::print("{}", format_markdown(format));
     return ExitStatus::passed;
   }
   for (const std::string& name : options.names) fmt::print("{}\n", format_text(find_format(all, name, "")));
   if (!options.names.empty()) return ExitStatus::passed;
   std::size_t width = 0;
-  for (const FileFormat* const format : all) width = std::max(width, format->schema.size());
-  for (const FileFormat* const format : all) {
-    fmt::print("{:{}}  {}{}\n", format->schema, width, format->internal ? "(internal) " : "",
-               format->summary.substr(0, format->summary.find_first_of(".(")));
+  for (const FileFormat& format : all) width = std::max(width, format.schema.size());
+  for (const FileFormat& format : all) {
+    fmt::print("{:{}}  {}{}\n", format.schema, width, format.internal ? "(internal) " : "",
+               format.summary.substr(0, format.summary.find_first_of(".(")));
   }
   return ExitStatus::passed;
 }

@@ -22,9 +22,9 @@ bool is_list_of_objects(const FormatField& field) { return field.type.starts_wit
 void flatten(std::span<const FormatField> fields, const std::string& above, std::vector<Flat>& out) {
   for (const FormatField& field : fields) {
     const bool optional = field.path.ends_with('?');
-    std::string path = above + std::string(optional ? field.path.substr(0, field.path.size() - 1) : field.path);
+    const std::string path = above + (optional ? field.path.substr(0, field.path.size() - 1) : field.path);
     out.push_back({path, optional, &field});
-    if (field.part != nullptr) flatten(field.part->fields, path + (is_list_of_objects(field) ? "[]." : "."), out);
+    flatten(field.part, path + (is_list_of_objects(field) ? "[]." : "."), out);
   }
 }
 
@@ -87,7 +87,7 @@ bool has_type(const json& value, std::string_view type) {
 // Walks a document along the table of its format.
 class Walk {
  public:
-  Walk(const FileFormat& format, std::span<const FileFormat* const> known)
+  Walk(const FileFormat& format, std::span<const FileFormat> known)
       : format_(format), fields_(flattened(format)), known_(known) {}
 
   void object(const json& value, const std::string& path, const std::string& place) {
@@ -137,13 +137,13 @@ class Walk {
   void inner(const json& value, std::string_view schema) {
     const auto other = std::ranges::find(known_, schema, &FileFormat::schema);
     if (other == known_.end()) return;
-    const auto more = differences_from(**other, value, known_);
+    const auto more = differences_from(*other, value, known_);
     differences_.insert(differences_.end(), more.begin(), more.end());
   }
 
   const FileFormat& format_;
   std::vector<Flat> fields_;
-  std::span<const FileFormat* const> known_;
+  std::span<const FileFormat> known_;
   std::vector<std::string> differences_;
   std::vector<std::string> seen_;
 };
@@ -167,7 +167,7 @@ std::string commands(const FileFormat& format) {
 }  // namespace
 
 std::vector<std::string> differences_from(const FileFormat& format, const json& document,
-                                          std::span<const FileFormat* const> known) {
+                                          std::span<const FileFormat> known) {
   if (!document.is_object()) return {fmt::format("{}: the document is no object", format.schema)};
   Walk walk(format, known);
   walk.object(document, "", "");
@@ -190,10 +190,10 @@ std::vector<std::string> keys_of(const FileFormat& format) {
 }
 
 std::string format_markdown(const FileFormat& format) {
-  const bool plain = format.file.find('`') == std::string_view::npos;
-  std::string text = fmt::format("\n## `{}`\n\n{}: {}. {}\n", format.schema,
-                                 plain ? fmt::format("`{}`", format.file) : std::string(format.file), format.summary,
-                                 commands(format));
+  const bool plain = format.file.find('`') == std::string::npos;
+  std::string text =
+      fmt::format("\n## `{}`\n\n{}: {}. {}\n", format.schema, plain ? fmt::format("`{}`", format.file) : format.file,
+                  format.summary, commands(format));
   if (format.internal) text += "Internal: it may change with any version.\n";
   if (format.fields.empty()) return text;
   text += "\n| key | type | unit | meaning |\n|---|---|---|---|\n";

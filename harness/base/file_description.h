@@ -13,7 +13,7 @@ namespace touchstone {
 // Where the document is not what the format says, a line each: keys that are not described, keys that are always there
 // and are not, values of another type. `known`: the formats that others may contain.
 std::vector<std::string> differences_from(const FileFormat& format, const nlohmann::json& document,
-                                          std::span<const FileFormat* const> known);
+                                          std::span<const FileFormat> known);
 
 // The keys of the format that occur in the document, by path, without those of documents of other formats within it.
 std::vector<std::string> keys_seen(const FileFormat& format, const nlohmann::json& document);
