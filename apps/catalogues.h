@@ -1,13 +1,13 @@
 // What this program knows: the renderers of renderers/, the surfaces and motions of synthetic/.
 #pragma once
 
-#include "harness/pipeline/golden/catalogues.h"
+#include "harness/golden/catalogues.h"
 #include "renderers/catalogue.h"
 #include "synthetic/generators.h"
 
 namespace touchstone::apps {
 
-inline pipeline::Catalogues built_in_catalogues() {
+inline golden::Catalogues built_in_catalogues() {
   return {renderers::built_in_catalogue(), synthetic::built_in_generators()};
 }
 

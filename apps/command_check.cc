@@ -9,13 +9,13 @@
 #include "apps/golden_options.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/pipeline/golden/case_runner.h"
-#include "harness/pipeline/golden/check_tally.h"
+#include "harness/golden/case_runner.h"
+#include "harness/golden/check_tally.h"
 #include "harness/report/test_summary.h"
 
 namespace touchstone::apps {
-using baseline::GoldenCase;
-using pipeline::CheckTally;
+using golden::CheckTally;
+using golden::GoldenCase;
 
 namespace {
 
@@ -24,7 +24,7 @@ struct CheckOptions {
   bool ctest = false;
   bool fail_on_drift = false;
   std::string verdict = "exact";
-  pipeline::FeltTolerance felt;
+  golden::FeltTolerance felt;
   bool annotations = false;
   std::string junit, markdown;
 };
@@ -40,10 +40,10 @@ void write_for_others(const CheckOptions& options, const std::vector<report::Che
 
 // A case that cannot be run must not take the other cases' results with it, nor the report of them.
 void check_or_say(const GoldenCase& golden, const std::string& model, const CheckOptions& options,
-                  const pipeline::CaseCheck& how, CheckTally& tally) {
+                  const golden::CaseCheck& how, CheckTally& tally) {
   try {
     const auto began = std::chrono::steady_clock::now();
-    const pipeline::CheckResult result = check_case(built_in_catalogues(), golden, model, how);
+    const golden::CheckResult result = check_case(built_in_catalogues(), golden, model, how);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
     fmt::print("{}{}", tally.add(golden, model, result, took.count(), options.felt), result.measurements);
   } catch (const UsageError& error) {
@@ -71,7 +71,7 @@ ExitStatus check_command(const CheckOptions& options) {
   if (!(options.felt.jnd > 0.0 && options.felt.epsilon_m >= 0.0))
     throw UsageError("--felt-tolerance must be above 0, --epsilon at least 0");
   const auto cases = load_or_say(options);
-  pipeline::CaseCheck how{options.golden.out, options.ctest, options.golden.change_model(), std::nullopt};
+  golden::CaseCheck how{options.golden.out, options.ctest, options.golden.change_model(), std::nullopt};
   if (options.verdict == "felt") how.felt = options.felt;
   how.fail_on_drift = options.fail_on_drift;
   CheckTally tally;
@@ -88,7 +88,7 @@ ExitStatus check_command(const CheckOptions& options) {
     for (const std::string& model : options.golden.models_of(golden)) check_or_say(golden, model, options, how, tally);
   }
   // Throws, with the models that the case has.
-  if (without > 0 && without == cases.size()) pipeline::case_model(cases.front(), options.golden.model);
+  if (without > 0 && without == cases.size()) golden::case_model(cases.front(), options.golden.model);
   write_for_others(options, tally.tests());
   fmt::print("{}", tally.counts_text());
   if (without > 0) fmt::print("cases without the model {}: {}\n", options.golden.model, without);

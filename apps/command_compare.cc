@@ -5,9 +5,9 @@
 #include "apps/commands.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/freed_memory.h"
-#include "harness/baseline/comparison_report.h"
-#include "harness/baseline/error_regimes.h"
-#include "harness/pipeline/comparing/compared_files.h"
+#include "harness/golden/comparison/compared_files.h"
+#include "harness/golden/comparison/comparison_report.h"
+#include "harness/golden/comparison/error_regimes.h"
 
 namespace touchstone::apps {
 namespace {
@@ -19,10 +19,9 @@ struct CompareOptions {
 
 ExitStatus compare_command(const CompareOptions& options) {
   take_memory_in_huge_pages(std::size_t{16} << 20);
-  pipeline::CompareRequest request{options.expected, options.obtained, options.repeat, std::nullopt,
-                                   options.flip_force};
-  if (!options.tolerance.empty()) request.tolerance = baseline::load_tolerance(options.tolerance);
-  const pipeline::ComparedFiles files = compare_files(request);
+  golden::CompareRequest request{options.expected, options.obtained, options.repeat, std::nullopt, options.flip_force};
+  if (!options.tolerance.empty()) request.tolerance = golden::load_tolerance(options.tolerance);
+  const golden::ComparedFiles files = compare_files(request);
   if (!options.json.empty()) write_file(options.json, files.json());
   if (options.print.empty()) {
     fmt::print("{}", files.text());

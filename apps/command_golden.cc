@@ -4,12 +4,12 @@
 #include "apps/commands.h"
 #include "apps/golden_options.h"
 #include "harness/base/error.h"
-#include "harness/baseline/acceptance.h"
-#include "harness/baseline/golden_file.h"
-#include "harness/pipeline/golden/case_runner.h"
-#include "harness/pipeline/golden/golden_store.h"
-#include "harness/pipeline/golden/new_case.h"
-#include "harness/pipeline/golden/noise_floor.h"
+#include "harness/golden/acceptance.h"
+#include "harness/golden/case_runner.h"
+#include "harness/golden/golden_file.h"
+#include "harness/golden/golden_store.h"
+#include "harness/golden/new_case.h"
+#include "harness/golden/noise_floor.h"
 
 namespace touchstone::apps {
 namespace {
@@ -25,18 +25,18 @@ struct GoldenCommandOptions {
 ExitStatus review(const GoldenCommandOptions& options) {
   const GoldenOptions& golden = options.golden;
   const auto folder = golden.folder().lexically_proximate(std::filesystem::current_path());
-  fmt::print("{}", pipeline::review_text(pipeline::chosen_pending(golden.out, golden.cases, golden.model),
-                                         folder.string(), golden.out));
+  fmt::print("{}", golden::review_text(golden::chosen_pending(golden.out, golden.cases, golden.model), folder.string(),
+                                       golden.out));
   return ExitStatus::passed;
 }
 
 ExitStatus noise_floor(const GoldenCommandOptions& options) {
   if (options.programs.empty() && options.json.empty())
     throw UsageError("floor: give --program to measure, or --json to judge what was kept");
-  const std::vector<baseline::GoldenCase> cases = options.golden.load();
-  const auto floors = options.programs.empty() ? pipeline::judge_noise_floors(cases, options.json)
-                                               : pipeline::measure_noise_floors(cases, options.golden.folder().string(),
-                                                                                options.programs, options.json);
+  const std::vector<golden::GoldenCase> cases = options.golden.load();
+  const auto floors = options.programs.empty() ? golden::judge_noise_floors(cases, options.json)
+                                               : golden::measure_noise_floors(cases, options.golden.folder().string(),
+                                                                              options.programs, options.json);
   fmt::print("{}", floors.text);
   return floors.status;
 }
@@ -44,14 +44,14 @@ ExitStatus noise_floor(const GoldenCommandOptions& options) {
 ExitStatus accept(const GoldenCommandOptions& options) {
   if (options.reason.find_first_not_of(" \t") == std::string::npos)
     throw UsageError("--reason: say why this becomes the golden");
-  if (const auto refused = baseline::acceptance_refused(options.golden.folder()))
+  if (const auto refused = golden::acceptance_refused(options.golden.folder()))
     throw UsageError(fmt::format("not accepted: {}", *refused));
-  const auto pending = pipeline::chosen_pending(options.golden.out, options.golden.cases, options.golden.model);
+  const auto pending = golden::chosen_pending(options.golden.out, options.golden.cases, options.golden.model);
   if (pending.empty())
     throw UsageError(fmt::format("nothing to accept: no failed result of these cases in {}; run: touchstone check",
                                  options.golden.out));
   for (const auto& p : pending) {
-    const std::string what = pipeline::accept_result(p, options.golden.folder(), options.golden.out, options.reason);
+    const std::string what = golden::accept_result(p, options.golden.folder(), options.golden.out, options.reason);
     fmt::print("{} {} {}\n", what, p.case_name, p.model);
   }
   return ExitStatus::passed;
@@ -59,18 +59,18 @@ ExitStatus accept(const GoldenCommandOptions& options) {
 
 struct NewCaseOptions {
   GoldenOptions golden;
-  pipeline::NewCase made;
+  golden::NewCase made;
   std::vector<std::string> models;
 };
 
 ExitStatus new_case(const NewCaseOptions& options) {
-  pipeline::NewCase wanted = options.made;
+  golden::NewCase wanted = options.made;
   wanted.models.assign(options.models.begin(), options.models.end());
   // Into the repository's own folder, which need not be there yet; never beside the bundled cases.
-  const std::filesystem::path folder = pipeline::own_golden_folder(options.golden.golden);
-  const pipeline::ChangeModel change = options.golden.change_model();
-  const pipeline::MadeCase made = pipeline::make_case(built_in_catalogues(), folder, wanted, change);
-  const pipeline::CaseCheck how{options.golden.out, false, change, std::nullopt};
+  const std::filesystem::path folder = golden::own_golden_folder(options.golden.golden);
+  const golden::ChangeModel change = options.golden.change_model();
+  const golden::MadeCase made = golden::make_case(built_in_catalogues(), folder, wanted, change);
+  const golden::CaseCheck how{options.golden.out, false, change, std::nullopt};
   fmt::print(
       "{}: made. Rounding alone changes the force by {:.2g} N at most, of {:.3g} N; the tolerance and its reason stand "
       "in "
@@ -81,7 +81,7 @@ ExitStatus new_case(const NewCaseOptions& options) {
         "warning: no model gives any force on this path: does it touch the object? Of a recording on a rigid "
         "object take rendered.csv of touchstone evaluate, whose path goes into it\n");
   for (const auto& [model, ignored] : made.golden.models) {
-    const pipeline::CheckResult result = check_case(built_in_catalogues(), made.golden, model, how);
+    const golden::CheckResult result = check_case(built_in_catalogues(), made.golden, model, how);
     fmt::print(
         "  {}: {}\n", model,
         result.skipped.empty() ? fmt::format("its pictures and numbers: {}", result.left_in.string()) : result.skipped);
@@ -151,8 +151,8 @@ void add_edit(CLI::App& golden_command, Run& run) {
       "  touchstone golden edit plate-stroke --set force.atol_N=2e-5 --reason 'the solver stops at 10 uN'");
   command->callback([options, &run] {
     run = [options] {
-      const auto folder = pipeline::own_golden_folder(options->golden) / options->name;
-      for (const std::string& line : pipeline::edit_tolerance(folder, options->limits, options->reason))
+      const auto folder = golden::own_golden_folder(options->golden) / options->name;
+      for (const std::string& line : golden::edit_tolerance(folder, options->limits, options->reason))
         fmt::print("{}\n", line);
       fmt::print("{}: changed; see what it says now: touchstone check {}\n", (folder / "case.json").string(),
                  options->name);
@@ -164,19 +164,19 @@ void add_edit(CLI::App& golden_command, Run& run) {
 ExitStatus export_command(const GoldenCommandOptions& options) {
   const auto cases = options.golden.load();
   if (cases.size() != 1) throw UsageError("export: name one case");
-  pipeline::export_case(synthetic::built_in_generators(), cases.front(), options.golden.models_of(cases.front()),
-                        options.to);
+  golden::export_case(synthetic::built_in_generators(), cases.front(), options.golden.models_of(cases.front()),
+                      options.to);
   fmt::print("{}\n", std::filesystem::path(options.to).string());
   return ExitStatus::passed;
 }
 
 ExitStatus render(const GoldenCommandOptions& options) {
-  const pipeline::ChangeModel change = options.golden.change_model();
-  for (const baseline::GoldenCase& golden : options.golden.load()) {
+  const golden::ChangeModel change = options.golden.change_model();
+  for (const golden::GoldenCase& golden : options.golden.load()) {
     for (const std::string& model : options.golden.models_of(golden)) {
-      const pipeline::CaseRun done = run_case(built_in_catalogues(), golden, model, false, change);
-      baseline::write_golden(std::filesystem::path(options.to) / golden.name / (model + ".h5"), done.rendered,
-                             done.provenance);
+      const golden::CaseRun done = run_case(built_in_catalogues(), golden, model, false, change);
+      golden::write_golden(std::filesystem::path(options.to) / golden.name / (model + ".h5"), done.rendered,
+                           done.provenance);
     }
   }
   return ExitStatus::passed;

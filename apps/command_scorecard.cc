@@ -9,7 +9,7 @@
 #include "harness/base/error.h"
 #include "harness/base/named_values.h"
 #include "harness/diagnosis/scorecard.h"
-#include "harness/pipeline/golden/scored_renderer.h"
+#include "harness/golden/scored_renderer.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
@@ -19,14 +19,14 @@ struct ScorecardOptions {
   PluginFlags plugins;
   std::vector<std::string> renderers;
   std::vector<std::string> parameters;
-  pipeline::ScoreRequest request{{}, {}, "", "god-object", true, true, {}, "scorecard"};
+  golden::ScoreRequest request{{}, {}, "", "god-object", true, true, {}, "scorecard"};
   std::string golden = "golden";
   bool no_cases = false;
   bool no_cost = false;
 };
 
 ExitStatus scorecard_command(const ScorecardOptions& options) {
-  pipeline::ScoreRequest request = options.request;
+  golden::ScoreRequest request = options.request;
   request.cost = !options.no_cost;
   request.with_cases = !options.no_cases;
   for (const auto& [name, value] : named_values("--parameter", options.parameters)) {
@@ -37,9 +37,8 @@ ExitStatus scorecard_command(const ScorecardOptions& options) {
   const plugin::Plugins plugins = options.plugins.load();
   GoldenOptions golden;
   golden.golden = options.golden;
-  const auto entries = pipeline::entries_to_score(renderers::renderer_catalogue(), plugins, options.renderers);
-  const std::vector<baseline::GoldenCase> cases =
-      options.no_cases ? std::vector<baseline::GoldenCase>{} : golden.load();
+  const auto entries = golden::entries_to_score(renderers::renderer_catalogue(), plugins, options.renderers);
+  const std::vector<golden::GoldenCase> cases = options.no_cases ? std::vector<golden::GoldenCase>{} : golden.load();
   const std::filesystem::path out = request.out;
   ensure_writable_folder(out);
   std::vector<diagnosis::Scorecard> cards;

@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/pipeline/golden/golden_store.h"
-#include "harness/pipeline/golden/scored_renderer.h"
+#include "harness/golden/golden_store.h"
+#include "harness/golden/scored_renderer.h"
 #include "harness/plugin/plugin.h"
 #include "harness/testing/conformance_recorder.h"
 #include "harness/testing/renderer_subject.h"
@@ -58,7 +58,7 @@ constexpr const char* kUsage =
 struct Options {
   std::string plugin, renderer, results;
   std::string golden = "golden";
-  pipeline::ScoreRequest cases;
+  golden::ScoreRequest cases;
   touchstone::testing::SubjectFacts facts;
   std::vector<std::string> allowed;
   bool in_child = false;
@@ -72,8 +72,8 @@ std::vector<touchstone::testing::RendererSubject>& subjects() {
 // A renderer on a golden case.
 struct FeltCase {
   std::shared_ptr<const RendererEntry> entry;
-  pipeline::ScoreRequest request;
-  baseline::GoldenCase golden;
+  golden::ScoreRequest request;
+  golden::GoldenCase golden;
 };
 
 void PrintTo(const FeltCase& one, std::ostream* out) { *out << one.entry->name << " on " << one.golden.name; }
@@ -132,12 +132,12 @@ void take(std::string_view word, Options& options) {
 }
 
 void choose_cases(const Options& options, const std::vector<std::shared_ptr<const RendererEntry>>& entries) {
-  std::vector<baseline::GoldenCase> cases;
+  std::vector<golden::GoldenCase> cases;
   if (options.cases.with_cases) {
     std::filesystem::path folder = options.golden;
-    if (options.golden == Options{}.golden) folder = pipeline::usual_golden_folder(folder);
+    if (options.golden == Options{}.golden) folder = golden::usual_golden_folder(folder);
     if (std::filesystem::is_directory(folder) || options.golden != Options{}.golden) {
-      cases = baseline::load_cases(folder);
+      cases = golden::load_cases(folder);
     } else {
       std::fputs(
           "touchstone-conformance: no golden cases are here (--golden=FOLDER): errors that a hand would notice "
@@ -146,14 +146,14 @@ void choose_cases(const Options& options, const std::vector<std::shared_ptr<cons
     }
   }
   for (const std::string& name : options.allowed) {
-    if (std::ranges::find(cases, name, &baseline::GoldenCase::name) == cases.end()) diagnosis::find_detector(name);
+    if (std::ranges::find(cases, name, &golden::GoldenCase::name) == cases.end()) diagnosis::find_detector(name);
   }
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    pipeline::ScoreRequest request = options.cases;
+    golden::ScoreRequest request = options.cases;
     request.facts = options.facts;
     request.felt.epsilon_m = subjects()[i].epsilon_m;
     request.allowed = options.allowed;
-    for (const baseline::GoldenCase& golden : cases) {
+    for (const golden::GoldenCase& golden : cases) {
       if (golden.models.contains(request.model)) felt_cases().push_back({entries[i], request, golden});
     }
   }
@@ -236,9 +236,9 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(GoldenCases);
 TEST_P(GoldenCases, AHandNoticesNoError) {
   const testing::TemporaryFolder folder;
   const FeltCase& tested = GetParam();
-  pipeline::ScoreRequest request = tested.request;
+  golden::ScoreRequest request = tested.request;
   request.out = folder.path();
-  const diagnosis::CaseScore score = pipeline::score_case(
+  const diagnosis::CaseScore score = golden::score_case(
       {renderers::built_in_catalogue(), synthetic::built_in_generators()}, tested.entry, request, tested.golden);
   if (score.skipped) GTEST_SKIP() << score.problem;
   if (!diagnosis::fails(score)) return;

@@ -1,6 +1,6 @@
 #include "apps/golden_options.h"
 
-#include "harness/pipeline/golden/golden_store.h"
+#include "harness/golden/golden_store.h"
 
 namespace touchstone::apps {
 
@@ -19,19 +19,19 @@ void GoldenOptions::add_to(CLI::App& command) {
 }
 
 std::filesystem::path GoldenOptions::folder() const {
-  return golden == GoldenOptions{}.golden ? pipeline::usual_golden_folder(golden) : std::filesystem::path(golden);
+  return golden == GoldenOptions{}.golden ? golden::usual_golden_folder(golden) : std::filesystem::path(golden);
 }
 
-std::vector<baseline::GoldenCase> GoldenOptions::load() const { return pipeline::choose_cases(folder(), cases); }
+std::vector<golden::GoldenCase> GoldenOptions::load() const { return golden::choose_cases(folder(), cases); }
 
-std::vector<std::string> GoldenOptions::models_of(const baseline::GoldenCase& one) const {
+std::vector<std::string> GoldenOptions::models_of(const golden::GoldenCase& one) const {
   if (!model.empty()) return {model};
   std::vector<std::string> models;
   for (const auto& [name, ignored] : one.models) models.push_back(name);
   return models;
 }
 
-pipeline::ChangeModel GoldenOptions::change_model() const {
+golden::ChangeModel GoldenOptions::change_model() const {
   if (renderer.empty() && plugins.libraries.empty()) return {};
   return [loaded = plugins.load(), name = renderer](rendering::Model& changed) {
     if (!name.empty()) changed.renderer = name;

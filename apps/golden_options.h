@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "apps/plugin_flags.h"
-#include "harness/baseline/golden_case.h"
-#include "harness/pipeline/golden/case_runner.h"
+#include "harness/golden/case_runner.h"
+#include "harness/golden/golden_case.h"
 
 namespace touchstone::apps {
 
@@ -22,15 +22,15 @@ struct GoldenOptions {
 
   void add_to(CLI::App& command);
   // The chosen cases (all where none is named); throws UsageError listing the known ones.
-  [[nodiscard]] std::vector<baseline::GoldenCase> load() const;
+  [[nodiscard]] std::vector<golden::GoldenCase> load() const;
   // --golden; if it is not given and no folder of that name with a case in it is here, the cases that come with the
   // program.
   [[nodiscard]] std::filesystem::path folder() const;
   // The chosen models of a case.
-  [[nodiscard]] std::vector<std::string> models_of(const baseline::GoldenCase& one) const;
+  [[nodiscard]] std::vector<std::string> models_of(const golden::GoldenCase& one) const;
   // What the options make of a case's model: its renderer from a plug-in, or another renderer in its place; empty
   // where they leave it as it is.
-  [[nodiscard]] pipeline::ChangeModel change_model() const;
+  [[nodiscard]] golden::ChangeModel change_model() const;
 };
 
 }  // namespace touchstone::apps

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "harness/base/hash.h"
-#include "harness/baseline/golden_file.h"
+#include "harness/golden/golden_file.h"
 #include "harness/testing/built_program.h"
 
 namespace touchstone::apps {
@@ -64,7 +64,7 @@ TEST_F(PluginGolden, SaysWhichLibraryOfWhichCommitMadeIt) {
   EXPECT_EQ(check().status, 1);
   const Outcome accepted = accept();
   ASSERT_EQ(accepted.status, 0) << accepted.err;
-  const baseline::Provenance golden = baseline::read_provenance(folder_ / "repository/golden/tap/expected/plane.h5");
+  const golden::Provenance golden = golden::read_provenance(folder_ / "repository/golden/tap/expected/plane.h5");
   EXPECT_EQ(golden.at("plugin_library"), "libmine.so") << "no path of this machine";
   EXPECT_EQ(golden.at("plugin_sha256"), sha256_file(library_));
   EXPECT_EQ(golden.at("plugin_state"), "clean");

@@ -10,10 +10,10 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/baseline/column_file.h"
-#include "harness/baseline/comparison_report.h"
-#include "harness/baseline/error_regimes.h"
 #include "harness/bisection/child_process.h"
+#include "harness/golden/comparison/column_file.h"
+#include "harness/golden/comparison/comparison_report.h"
+#include "harness/golden/comparison/error_regimes.h"
 
 namespace touchstone::bisection {
 namespace {
@@ -82,8 +82,8 @@ class Replayer {
   }
 
   [[nodiscard]] std::optional<double> compared(const fs::path& rendered) const {
-    const auto [expected, obtained] = baseline::load_columns(golden_, rendered);
-    const auto metrics = metrics_of(compare(expected, obtained, baseline::default_tolerance()));
+    const auto [expected, obtained] = golden::load_columns(golden_, rendered);
+    const auto metrics = metrics_of(compare(expected, obtained, golden::default_tolerance()));
     const auto found = std::ranges::find(metrics, request_.metric, &std::pair<std::string, double>::first);
     if (found != metrics.end()) return found->second;
     std::string known = "operations, time";
@@ -147,7 +147,7 @@ std::string where_it_differs(const ReplayMeasure& request, const std::string& co
        {request.reference / (request.model + ".h5"), request.reference / (request.model + ".golden.csv"),
         request.out / "good-rendered.csv"}) {
     if (!fs::exists(golden) || !fs::exists(rendered)) continue;
-    const auto [expected, obtained] = baseline::load_columns(golden, rendered);
+    const auto [expected, obtained] = golden::load_columns(golden, rendered);
     return to_table(locate_error(expected, obtained));
   }
   return "";

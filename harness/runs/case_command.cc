@@ -10,7 +10,7 @@
 #include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"
 #include "harness/base/progress.h"
-#include "harness/baseline/golden_file.h"
+#include "harness/golden/golden_file.h"
 #include "harness/runs/farm.h"
 #include "harness/runs/slurm.h"
 
@@ -49,7 +49,7 @@ class StopWhenInterrupted {
 const std::vector<std::string> build_names{"version", "commit", "dirty", "program", "compiler", "flags"};
 
 std::map<std::string, std::string> provenance(const CaseOptions& options) {
-  auto known = baseline::build_provenance();
+  auto known = golden::build_provenance();
   known["command"] = options.called_as;
   if (known["dirty"] == "yes") known["program"] = sha256_file(own_program());
   return known;

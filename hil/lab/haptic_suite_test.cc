@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "harness/pipeline/golden/case_runner.h"
+#include "harness/golden/case_runner.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/embree_surface.h"
@@ -79,15 +79,15 @@ TEST_P(Haptic, GoldenReplay) {
   LabStation station(GetParam(), found, true, true);  // forks: before the renderer's threads
   const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
   ASSERT_NE(source, nullptr) << "TOUCHSTONE_SOURCE_DIR says where the folder golden is (ctest sets it)";
-  const auto golden = baseline::load_case(std::filesystem::path(source) / "golden" / "bowl-push");
+  const auto golden = golden::load_case(std::filesystem::path(source) / "golden" / "bowl-push");
   const std::string model = "god-object";
   ASSERT_EQ(golden.models.count(model), 1U);
   const auto expected = recording::load_rendered(golden.expected(model));
-  const auto trajectory = pipeline::case_trajectory(synthetic::built_in_generators(), golden);
+  const auto trajectory = golden::case_trajectory(synthetic::built_in_generators(), golden);
   ASSERT_EQ(trajectory.size(), expected.size());
   const auto renderer =
       renderers::make_renderer(rendering::parse_model(golden.models.at(model), "case.json"),
-                               make_embree_surface(pipeline::case_mesh(synthetic::built_in_generators(), golden)));
+                               make_embree_surface(golden::case_mesh(synthetic::built_in_generators(), golden)));
   renderer->reset();
   const auto render = [&](std::size_t i) -> Vec3 {
     rendering::TipState tip;

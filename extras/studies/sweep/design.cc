@@ -10,7 +10,7 @@
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/random.h"
-#include "harness/baseline/golden_case.h"
+#include "harness/golden/golden_case.h"
 #include "harness/rendering/model.h"
 #include "sweep/tool_sweep.h"
 
@@ -249,7 +249,7 @@ SweepDesign::SweepDesign(const std::filesystem::path& file) : state_(std::make_u
     s.trajectories = {{""}, {json::object()}};
     s.models = read_choice(root, "renderers", [](JsonObject one) { read_swept_tool_renderer(one); });
   } else {
-    constexpr auto files = baseline::CaseFiles::anywhere;
+    constexpr auto files = golden::CaseFiles::anywhere;
     s.surfaces = read_choice(root, "surfaces", [&](JsonObject one) { read_case_surface(one, s.folder, files); });
     s.trajectories =
         read_choice(root, "trajectories", [&](JsonObject one) { read_case_trajectory(one, s.folder, files); });

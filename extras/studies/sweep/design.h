@@ -7,7 +7,7 @@
 //    "vary": [{"set": "/model/parameters/stiffness_N_per_m", "values": [300, 600]},
 //             {"set": "/scale", "from": 0.01, "to": 100, "count": 5, "spacing": "log"}],
 //    "seeds": [1, 2, 3], "truth": true}
-// Surfaces and trajectories are those of golden cases (harness/baseline/golden_case.h); files are relative to the
+// Surfaces and trajectories are those of golden cases (harness/golden/golden_case.h); files are relative to the
 // specification. "set" is a JSON pointer into a case: /surface/..., /trajectory/..., /model/..., /scale, /speed.
 // Of tools with a shape (harness/tool) a case is a contact whose answer is known, and a renderer of tools:
 //   {"schema": "touchstone-tool-sweep/1", "design": "grid",

@@ -37,13 +37,13 @@ CaseRow sweep_row(const SweepOutcome& outcome) {
   add(one.seed.has_value(), one.seed.value_or(0));
   for (const double value : one.varied) add(true, value);
   const bool ran = outcome.error.empty();
-  const baseline::GoldenSummary& s = outcome.summary;
+  const golden::GoldenSummary& s = outcome.summary;
   for (const std::uint64_t count : {s.samples, s.contact_samples, s.contact_events}) add(ran, count);
   add(ran, s.peak_force_N);
   add(ran, s.rms_force_N);
   for (int axis = 0; axis < 3; ++axis) add(ran, s.mean_force_W_N[axis]);
   add(ran, s.contact_path_m);
-  const pipeline::ExactError exact = outcome.exact.value_or(pipeline::ExactError{});
+  const golden::ExactError exact = outcome.exact.value_or(golden::ExactError{});
   for (const double error : {exact.force_rms_N, exact.force_max_N, exact.contact_rms_m})
     add(outcome.exact.has_value(), error);
   add(ran, s.sha256);

@@ -8,7 +8,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
-#include "harness/pipeline/golden/case_runner.h"
+#include "harness/golden/case_runner.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/replay.h"
 #include "harness/runs/shared_cache.h"
@@ -44,7 +44,7 @@ struct SharedSurface {
 }  // namespace
 
 struct SweepWorld::State {
-  State(const pipeline::Catalogues& known, const SweepDesign& wanted) : catalogues(known), design(&wanted) {}
+  State(const golden::Catalogues& known, const SweepDesign& wanted) : catalogues(known), design(&wanted) {}
 
   void run(SweepOutcome& outcome) {
     const SweepCase& one = outcome.one;
@@ -55,25 +55,25 @@ struct SweepWorld::State {
     const double speed = positive(root, "speed");
     const auto world = surfaces.get(one.surface_key, [&] { return make_surface(root, scale); });
     const auto trajectory = trajectories.get(one.trajectory_key, [&] {
-      return std::make_shared<InTrajectory>(pipeline::case_trajectory(
+      return std::make_shared<InTrajectory>(golden::case_trajectory(
           catalogues.generators,
-          read_case_trajectory(root.object("trajectory"), design->folder(), baseline::CaseFiles::anywhere), scale,
+          read_case_trajectory(root.object("trajectory"), design->folder(), golden::CaseFiles::anywhere), scale,
           speed));
     });
     const rendering::Model model =
         rendering::parse_model(document["model"].dump(), source + ": /model", design->folder());
     const auto renderer = world->make(catalogues.renderers, model);
     const recording::RenderedTrajectory rendered = replay(*renderer, *trajectory);
-    outcome.summary = baseline::summarise(rendered);
+    outcome.summary = golden::summarise(rendered);
     if (design->truth())
       outcome.exact = world->exact ? exact_error(catalogues, *world->exact, scale, model, rendered) : std::nullopt;
   }
 
   [[nodiscard]] std::shared_ptr<SharedSurface> make_surface(JsonObject& root, double scale) const {
     auto made = std::make_shared<SharedSurface>();
-    const baseline::CaseSurface wanted =
-        read_case_surface(root.object("surface"), design->folder(), baseline::CaseFiles::anywhere);
-    made->surface = surface::make_embree_surface(pipeline::case_mesh(catalogues.generators, wanted, scale));
+    const golden::CaseSurface wanted =
+        read_case_surface(root.object("surface"), design->folder(), golden::CaseFiles::anywhere);
+    made->surface = surface::make_embree_surface(golden::case_mesh(catalogues.generators, wanted, scale));
     made->triangles = made->surface->mesh()->triangle_count();
     if (!wanted.generator.empty() && design->truth())
       made->exact = catalogues.generators.surface(wanted.generator, wanted.parameters);
@@ -86,14 +86,14 @@ struct SweepWorld::State {
     return value;
   }
 
-  pipeline::Catalogues catalogues;
+  golden::Catalogues catalogues;
   const SweepDesign* design;
   runs::SharedCache<SharedSurface> surfaces{most_triangles,
                                             [](const SharedSurface& s) { return s.triangles + of_a_scene; }};
   runs::SharedCache<InTrajectory> trajectories{most_samples, [](const InTrajectory& t) { return t.size() + 1; }};
 };
 
-SweepWorld::SweepWorld(const pipeline::Catalogues& catalogues, const SweepDesign& design)
+SweepWorld::SweepWorld(const golden::Catalogues& catalogues, const SweepDesign& design)
     : state_(std::make_unique<State>(catalogues, design)) {}
 SweepWorld::~SweepWorld() = default;
 

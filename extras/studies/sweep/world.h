@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "harness/baseline/golden_summary.h"
-#include "harness/pipeline/golden/exact_error.h"
+#include "harness/golden/exact_error.h"
+#include "harness/golden/golden_summary.h"
 #include "sweep/design.h"
 
 namespace touchstone::studies {
@@ -16,14 +16,14 @@ namespace touchstone::studies {
 struct SweepOutcome {
   SweepCase one;
   std::string error;  // empty: it ran
-  baseline::GoldenSummary summary;
-  std::optional<pipeline::ExactError> exact;  // where it is asked for, on generated surfaces
+  golden::GoldenSummary summary;
+  std::optional<golden::ExactError> exact;  // where it is asked for, on generated surfaces
 };
 
 class SweepWorld {
  public:
   // Both must live as long as the world.
-  SweepWorld(const pipeline::Catalogues& catalogues, const SweepDesign& design);
+  SweepWorld(const golden::Catalogues& catalogues, const SweepDesign& design);
   ~SweepWorld();
   SweepWorld(const SweepWorld&) = delete;
   SweepWorld& operator=(const SweepWorld&) = delete;

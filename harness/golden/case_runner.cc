@@ -1,0 +1,384 @@
+#include "harness/golden/case_runner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/base/hash.h"
+#include "harness/base/units.h"
+#include "harness/base/version.h"
+#include "harness/golden/acceptance.h"
+#include "harness/golden/comparison/column_file.h"
+#include "harness/golden/comparison/comparison_report.h"
+#include "harness/golden/equal_answers.h"
+#include "harness/golden/pictures.h"
+#include "harness/perception/filters/weber_law.h"
+#include "harness/plugin/plugin_provenance.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/operations.h"
+#include "harness/rendering/replay.h"
+#include "harness/rendering/scene_file.h"
+#include "harness/report/ctest_measurement.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_warnings.h"
+
+namespace touchstone::golden {
+using recording::InTrajectory;
+using rendering::Model;
+using rendering::RendererEntry;
+using surface::TriangleMesh;
+
+namespace {
+
+std::string hash_of(const TriangleMesh& mesh) {
+  return sha256(sha256(std::as_bytes(std::span(mesh.vertices_W_m))) + sha256(std::as_bytes(std::span(mesh.triangles))));
+}
+
+std::string hash_of(const InTrajectory& trajectory) {
+  return sha256(sha256(std::as_bytes(std::span(trajectory.motion.t_s))) +
+                sha256(std::as_bytes(std::span(trajectory.motion.p_W_m))));
+}
+
+// The bodies, and where each is at every sample.
+std::string hash_of(const rendering::SceneFile& scene, const InTrajectory& trajectory) {
+  std::string all;
+  for (const rendering::SceneFileBody& body : scene.bodies) {
+    std::vector<double> poses;
+    std::size_t segment = 0;
+    for (const double t_s : trajectory.motion.t_s) {
+      const rendering::BodyPose pose = body.pose.covers(t_s) ? body.pose.at(t_s, segment) : body.pose.first();
+      poses.insert(poses.end(), {pose.p_W_m.x(), pose.p_W_m.y(), pose.p_W_m.z(), pose.q_WB.w(), pose.q_WB.x(),
+                                 pose.q_WB.y(), pose.q_WB.z()});
+    }
+    all += hash_of(body.mesh_B) + sha256(std::as_bytes(std::span(poses)));
+  }
+  return sha256(all);
+}
+
+// What a case runs over, and what is said of it.
+struct CaseWorld {
+  std::unique_ptr<rendering::Renderer> renderer;
+  std::shared_ptr<const surface::Surface> surface;  // of one object; empty for a scene
+  std::string geometry_sha256;
+};
+
+CaseWorld make_world(const Catalogues& catalogues, const GoldenCase& golden, const Model& model,
+                     const InTrajectory& trajectory) {
+  CaseWorld world;
+  if (golden.scene.empty()) {
+    const TriangleMesh mesh = case_mesh(catalogues.generators, golden);
+    world.surface = make_embree_surface(mesh);
+    world.renderer = catalogues.renderers.make(model, world.surface);
+    world.geometry_sha256 = hash_of(mesh);
+    if (golden.surface.generator.empty()) {
+      for (const std::string& warning : mesh_warnings(*world.surface)) fmt::print(stderr, "warning: {}\n", warning);
+    }
+    return world;
+  }
+  rendering::SceneFile file = parse_scene(golden.scene, (golden.folder / "case.json").string() + ": /scene",
+                                          golden.folder, rendering::SceneFiles::own_folder);
+  file.rescale(golden.scale, golden.speed);
+  auto scene = std::make_shared<const rendering::BodyScene>(file.scene());
+  for (const rendering::SceneBody& body : scene->bodies) {
+    for (const std::string& warning : mesh_warnings(*body.surface_B)) fmt::print(stderr, "warning: {}\n", warning);
+  }
+  world.renderer = catalogues.renderers.make_scene(model, std::move(scene));
+  world.geometry_sha256 = hash_of(file, trajectory);
+  return world;
+}
+
+double p99(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
+  std::ranges::nth_element(values, at);
+  return *at;
+}
+
+std::optional<RunOperations> count_run(const rendering::Catalogue& catalogue, const Model& model,
+                                       std::shared_ptr<const surface::Surface> surface,
+                                       const InTrajectory& trajectory) {
+  const rendering::CountedRenderer counted = catalogue.make_counted(model, std::move(surface));
+  if (!counted.renderer) return std::nullopt;
+  const rendering::OperationReport report =
+      count_operations(*counted.renderer, rendering::tip_source(trajectory.motion));
+  return RunOperations{report.total(), report.max};
+}
+
+// How wide the tolerance gets over the golden's forces, in differences that a fingertip just notices there.
+double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force) {
+  const auto* const x = golden.find("fx");
+  const auto* const y = golden.find("fy");
+  const auto* const z = golden.find("fz");
+  if (x == nullptr || y == nullptr || z == nullptr) return 0.0;
+  double peak = 0.0;
+  for (std::size_t i = 0; i < x->size(); ++i) peak = std::max(peak, Vec3((*x)[i], (*y)[i], (*z)[i]).norm());
+  double share = 0.0;
+  for (std::size_t i = 0; i < x->size(); ++i) {
+    const double newton = Vec3((*x)[i], (*y)[i], (*z)[i]).norm();
+    const double bound = force.atol + force.rtol * newton + force.rpeak * peak;
+    share = std::max(share, bound / perception::kFingertipForce.just_noticeable_difference(newton));
+  }
+  return share;
+}
+
+// Judges a run that is beyond tolerance by the exact answer, where there is one: `better` when its force is nearer to
+// it by more than the tolerance, over the run and at its worst.
+void judge_by_exact_answer(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
+                           const ChangeModel& change, const recording::RenderedTrajectory& obtained,
+                           CheckResult& result) {
+  if (golden.surface.generator.empty()) return;
+  const auto analytic = catalogues.generators.surface(golden.surface.generator, golden.surface.parameters);
+  Model parsed = case_model(golden, model);
+  if (change) change(parsed);
+  result.exact = exact_error(catalogues, *analytic, golden.scale, parsed, obtained);
+  if (!result.exact || result.comparison.verdict != Verdict::worse) return;
+  const auto before =
+      exact_error(catalogues, *analytic, golden.scale, parsed, recording::load_rendered(golden.expected(model)));
+  if (!before) return;
+  result.comparison.problems.push_back(exact_comparison(before, result.exact));
+  const double band_N = golden.tolerance.of("force").atol;
+  if (before->force_rms_N - result.exact->force_rms_N > band_N &&
+      before->force_max_N - result.exact->force_max_N > -band_N)
+    result.comparison.verdict = Verdict::better;
+}
+
+// More, fewer, or none where there were some: each is news. With fused multiply-add a step on a tie takes another
+// branch, up to several times the operations for the same force: there they are measured and not judged.
+void judge_operations(const GoldenCase& golden, const std::string& model, const CaseRun& run, CheckResult& result) {
+  if (build_info().flags.find("-ffp-contract=off") == std::string::npos) return;
+  const auto known = load_operations(golden.summary_file());
+  const auto found = known.find(model);
+  const auto change =
+      operations_change(found == known.end() ? std::nullopt : std::optional(found->second), run.operations);
+  if (!change) return;
+  result.comparison.problems.push_back(change->message);
+  result.comparison.verdict = worst(result.comparison.verdict, change->verdict);
+}
+
+void measure(const CheckResult& result, const CaseRun& run, const std::string& hash, std::string& measurements) {
+  const auto add = [&](const std::string& name, const auto& value) {
+    measurements += report::measurement(name, value);
+  };
+  for (const auto& [name, value] : metrics_of(result.comparison)) add(name, value);
+  add("step_p99_us", run.p99_us);
+  if (run.operations) {
+    add("operations", static_cast<double>(run.operations->total));
+    add("operations_max_step", static_cast<double>(run.operations->max_per_step));
+  }
+  add("tolerance_of_jnd", result.share_of_jnd);
+  if (result.exact) {
+    add("exact_force_rms_N", result.exact->force_rms_N);
+    add("exact_force_max_N", result.exact->force_max_N);
+    add("exact_contact_rms_m", result.exact->contact_rms_m);
+  }
+  add("golden_hash", std::string_view(hash));
+}
+
+// Without a golden, or with one that cannot be read: nothing to compare with is never a pass.
+TrajectoryColumns load_golden(const std::filesystem::path& file, CheckResult& result) {
+  if (!std::filesystem::exists(file)) {
+    result.comparison.verdict = Verdict::missing;
+    result.comparison.problems.push_back(fmt::format("{}: there is no golden to compare with yet", file.string()));
+    return {};
+  }
+  try {
+    return load_columns(file);
+  } catch (const Error& error) {
+    result.comparison.verdict = Verdict::invalid;
+    result.comparison.problems.push_back(error.what());
+    return {};
+  }
+}
+
+// Why a scene is none for this renderer: its bodies move against each other, and it takes one object.
+std::string declared_not_to_move(const RendererEntry& entry, const GoldenCase& golden) {
+  if (entry.make_scene) return "";
+  const rendering::BodyScene scene =
+      parse_scene(golden.scene, golden.name, golden.folder, rendering::SceneFiles::own_folder).scene();
+  if (scene.bodies.size() < 2 || !scene.moves()) return "";
+  return fmt::format("the renderer {} takes one object, and the case has {} that move against each other", entry.name,
+                     scene.bodies.size());
+}
+
+double tip_radius_m(const Model& model, const RendererEntry& entry) {
+  const auto set = model.parameters.find("tip_radius_m");
+  if (set != model.parameters.end()) return set->second;
+  const auto found = std::ranges::find(entry.parameters, "tip_radius_m", &rendering::ParameterDeclaration::name);
+  return found == entry.parameters.end() ? 0.0 : found->initial;
+}
+
+// Whether the case's own renderer pushes to the closest surface point, wherever that jumps to.
+bool pushes_to_closest(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model) {
+  const auto& known = catalogues.renderers.renderers();
+  const auto found = std::ranges::find(known, case_model(golden, model).renderer, &RendererEntry::name);
+  return found != known.end() && find_limitation(found->cannot, rendering::Ability::continuous_force) != nullptr;
+}
+
+// Why the case says nothing about this renderer: it takes one object and the case has several that move, its tip is
+// another one, or the run starts inside the body and the renderer declares that it cannot.
+std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
+                                const ChangeModel& change) {
+  if (!change) return "";
+  const Model own = case_model(golden, model);
+  Model described = own;
+  change(described);
+  const RendererEntry& entry = catalogues.renderers.find(described);
+  // The tip of a case whose renderer only a plug-in has is that plug-in's.
+  const auto& known = catalogues.renderers.renderers();
+  const auto of_case = std::ranges::find(known, own.renderer, &RendererEntry::name);
+  if (of_case != known.end()) {
+    const double rendered_m = tip_radius_m(described, entry);
+    const double wanted_m = tip_radius_m(own, *of_case);
+    if (rendered_m != wanted_m)
+      return fmt::format("the tip is a ball of {:g} m in radius, the case's of {:g} m{}", rendered_m, wanted_m,
+                         wanted_m == 0.0 ? "; is another model the one, as --model god-object-ball?" : "");
+  }
+  if (!golden.scene.empty()) return declared_not_to_move(entry, golden);
+  const rendering::Limitation* const limit = find_limitation(entry.cannot, rendering::Ability::start_inside);
+  if (limit == nullptr) return "";
+  const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
+  if (trajectory.size() == 0) return "";
+  const surface::SurfacePoint first =
+      make_embree_surface(case_mesh(catalogues.generators, golden))->closest(trajectory.motion.p_W_m.front());
+  return first.signed_distance_m < 0.0 ? "the run starts inside the body: " + limit->reason : "";
+}
+
+}  // namespace
+
+TriangleMesh case_mesh(const rendering::Generators& generators, const CaseSurface& surface, double scale) {
+  TriangleMesh mesh = surface.generator.empty()
+                          ? surface::load_mesh(surface.mesh, length_unit_factor(surface.unit))
+                          : generators.mesh(surface.generator, surface.parameters, surface.triangles).mesh;
+  for (Vec3& vertex : mesh.vertices_W_m) vertex *= scale;
+  return mesh;
+}
+
+InTrajectory case_trajectory(const rendering::Generators& generators, const CaseTrajectory& wanted, double scale,
+                             double speed) {
+  InTrajectory trajectory;
+  if (wanted.generator.empty()) {
+    trajectory = recording::load_trajectory(wanted.file);
+    for (double& t : trajectory.motion.t_s) t /= speed;
+  } else {
+    trajectory = generators.motion(wanted.generator, wanted.parameters, wanted.seed, wanted.rate_Hz / speed);
+    for (std::size_t i = 0; i < trajectory.size(); ++i)
+      trajectory.motion.t_s[i] = static_cast<double>(i) / wanted.rate_Hz;
+  }
+  for (Vec3& p : trajectory.motion.p_W_m) p = scale * (p + wanted.offset_W_m);
+  return trajectory;
+}
+
+Model case_model(const GoldenCase& golden, const std::string& name) {
+  const auto text = golden.models.find(name);
+  if (text == golden.models.end()) {
+    std::string known;
+    for (const auto& [other, ignored] : golden.models) known += ' ' + other;
+    throw UsageError(fmt::format("the case {} has no model '{}'; it has:{}", golden.name, name, known));
+  }
+  Model model = rendering::parse_model(
+      text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), name), golden.folder);
+  for (const rendering::NamedParameters& effect : model.effects) {
+    if (!effect.image.empty() && effect.image != golden.folder / effect.image.filename()) {
+      throw BadData(fmt::format("{}{}/image: a file in the case's own folder was expected, without a path; it is {}",
+                                model.source, effect.place, effect.image.string()));
+    }
+  }
+  return model;
+}
+
+CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model, bool time_steps,
+                 const ChangeModel& change) {
+  Model described = case_model(golden, model);
+  const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
+  const std::string own_renderer = described.renderer;
+  if (change) change(described);
+  const CaseWorld world = make_world(catalogues, golden, described, trajectory);
+  CaseRun run;
+  run.rendered = replay(*world.renderer, trajectory, time_steps);
+  run.p99_us = p99(run.rendered.cost_us);
+  run.rendered.cost_us.clear();
+  run.provenance = build_provenance();
+  if (described.provided) run.provenance.merge(plugin::plugin_provenance(*described.provided));
+  if (described.renderer != own_renderer) run.provenance["renderer_in_place"] = described.renderer;
+  run.provenance["geometry_sha256"] = world.geometry_sha256;
+  run.provenance["trajectory_sha256"] = hash_of(trajectory);
+  run.provenance["seed"] = std::to_string(golden.trajectory.seed);
+  run.surface = world.surface;
+  if (world.surface) run.operations = count_run(catalogues.renderers, described, world.surface, trajectory);
+  if (run.operations) {
+    run.provenance["operations"] = std::to_string(run.operations->total);
+    run.provenance["operations_max_step"] = std::to_string(run.operations->max_per_step);
+  }
+  run.provenance["command"] = fmt::format("touchstone check {} --model {}", golden.name, model);
+  return run;
+}
+
+CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
+                       const CaseCheck& options) {
+  const auto folder = result_folder(options.out, golden.name, model);
+  CheckResult result;
+  CaseRun run;
+  TrajectoryColumns obtained;
+  if (auto reason = declared_not_to_run(catalogues, golden, model, options.change); !reason.empty()) {
+    result.skipped = std::move(reason);
+    return result;
+  }
+  TrajectoryColumns expected = load_golden(golden.expected(model), result);
+  try {
+    run = run_case(catalogues, golden, model, options.ctest, options.change);
+    obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, model));
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Error& error) {
+    result.comparison.verdict = Verdict::invalid;
+    result.comparison.problems.push_back(error.what());
+  }
+  if (result.comparison.verdict == Verdict::equal) {
+    const std::size_t equal_answers = run.surface && pushes_to_closest(catalogues, golden, model)
+                                          ? take_equal_answers(*run.surface, golden.tolerance, obtained, expected)
+                                          : 0;
+    result.comparison = compare(expected, obtained, golden.tolerance);
+    if (equal_answers > 0)
+      result.comparison.problems.push_back(
+          fmt::format("in {} rows another surface point is as close as the golden's, and as right", equal_answers));
+    result.same_cpu = read_provenance(golden.expected(model))["cpu"] == run.provenance["cpu"];
+    result.drift_fails = options.fail_on_drift && result.comparison.drift > 0 && result.same_cpu;
+    result.share_of_jnd = share_of_jnd(expected, golden.tolerance.of("force"));
+    if (!(result.share_of_jnd <= golden.jnd_share)) {
+      result.comparison.verdict = Verdict::invalid;
+      result.comparison.problems.push_back(fmt::format(
+          "the force tolerance reaches {:.3g} of a just noticeable difference; the case allows itself {:.3g}",
+          result.share_of_jnd, golden.jnd_share));
+    }
+    if (options.ctest || result.comparison.verdict == Verdict::worse)
+      judge_by_exact_answer(catalogues, golden, model, options.change, run.rendered, result);
+    if (!options.change) judge_operations(golden, model, run, result);
+  }
+  if (options.felt && !obtained.columns.empty()) {
+    result.felt = felt_error(catalogues, golden, model, run.rendered, *options.felt);
+    result.comparison.problems.push_back(to_sentence(*result.felt, *options.felt));
+  }
+  result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
+  clear_result_folder(folder);
+  if (options.ctest)
+    measure(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256, result.measurements);
+  if (result.passed()) return result;
+
+  ensure_writable_folder(folder);
+  // Git passes over the folder, so that what a failure leaves does not make a checkout look changed.
+  hide_from_git(options.out);
+  result.left_in = folder;
+  if (!obtained.columns.empty()) write_golden(folder / "obtained.h5", run.rendered, run.provenance);
+  write_file(folder / "table.txt", result.table);
+  write_file(folder / "comparison.json", to_json_text(result.comparison));
+  for (const auto& [name, picture] : draw_pictures(expected, obtained, folder)) {
+    if (options.ctest) result.measurements += report::picture_measurement(name, picture);
+  }
+  return result;
+}
+
+}  // namespace touchstone::golden

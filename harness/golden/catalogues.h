@@ -1,0 +1,15 @@
+// What a golden case or a sweep may name: renderers with their effects, and generated surfaces and motions.
+#pragma once
+
+#include "harness/rendering/catalogue.h"
+#include "harness/rendering/generators.h"
+
+namespace touchstone::golden {
+
+// Both must live as long as what is given them.
+struct Catalogues {
+  const rendering::Catalogue& renderers;
+  const rendering::Generators& generators;
+};
+
+}  // namespace touchstone::golden
