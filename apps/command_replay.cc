@@ -9,13 +9,13 @@
 #include "harness/base/atomic_file.h"
 #include "harness/recording/extent_check.h"
 #include "harness/recording/recording_file.h"
+#include "harness/recording_checks/check_recording.h"
+#include "harness/recording_checks/recording_sample.h"
 #include "harness/rendering/moving_object.h"
 #include "harness/rendering/nearness.h"
 #include "harness/rendering/replay_file.h"
 #include "harness/rendering/scene_file.h"
 #include "harness/rendering/seam_watch.h"
-#include "harness/sanity/recording_sample.h"
-#include "harness/sanity/sanity.h"
 #include "harness/surface/mesh_topology.h"
 #include "renderers/catalogue.h"
 
@@ -34,7 +34,7 @@ struct ReplayOptions {
 // A recording's own forces show whether it belongs to this mesh. Positions without forces may be anywhere, unless they
 // are near it in another unit alone.
 void check_recording(const ReplayOptions& options, const Model& model, const surface::Surface& surface) {
-  recording::Recording sample = sanity::sample_recording(options.trajectory);
+  recording::Recording sample = recording_checks::sample_recording(options.trajectory);
   // Nor is a recording on a moving object one on this mesh at rest.
   if (!options.object_path.empty()) return;
   const auto radius = model.parameters.find("tip_radius_m");
@@ -50,13 +50,14 @@ void check_recording(const ReplayOptions& options, const Model& model, const sur
     if (mismatch && !mismatch->apart) fmt::print(stderr, "warning: {}\n", mismatch->message);
     return;
   }
-  if (options.flip_force) sanity::flip_force(sample);
-  sanity::SanityContext context;
+  if (options.flip_force) recording_checks::flip_force(sample);
+  recording_checks::RecordingContext context;
   context.surface = &surface;
   context.mesh_unit = options.mesh_unit;
   context.tip_radius_m = tip_radius_m;
   context.force_flipped = options.flip_force;
-  for (const std::string& remark : sanity::refuse_insane(sample, context)) fmt::print(stderr, "warning: {}\n", remark);
+  for (const std::string& remark : recording_checks::refuse_faulty(sample, context))
+    fmt::print(stderr, "warning: {}\n", remark);
 }
 
 // What is replayed over, and how long it took to make.

@@ -8,8 +8,8 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/named_values.h"
-#include "harness/diagnosis/scorecard.h"
 #include "harness/golden/scored_renderer.h"
+#include "harness/renderer_faults/scorecard.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
@@ -41,19 +41,19 @@ ExitStatus scorecard_command(const ScorecardOptions& options) {
   const std::vector<golden::GoldenCase> cases = options.no_cases ? std::vector<golden::GoldenCase>{} : golden.load();
   const std::filesystem::path out = request.out;
   ensure_writable_folder(out);
-  std::vector<diagnosis::Scorecard> cards;
+  std::vector<renderer_faults::Scorecard> cards;
   bool failed = false;
   bool skipped = false;
   for (const auto& entry : entries) {
     cards.push_back(score_renderer(built_in_catalogues(), entry, request, cases));
-    const diagnosis::Scorecard& card = cards.back();
-    write_file(out / (card.engine + ".json"), diagnosis::scorecard_to_json(card));
-    fmt::print("{}", diagnosis::scorecard_to_text(card));
-    failed = failed || verdict_of(card) == diagnosis::CardVerdict::failed;
-    skipped = skipped || verdict_of(card) == diagnosis::CardVerdict::skipped;
+    const renderer_faults::Scorecard& card = cards.back();
+    write_file(out / (card.engine + ".json"), renderer_faults::scorecard_to_json(card));
+    fmt::print("{}", renderer_faults::scorecard_to_text(card));
+    failed = failed || verdict_of(card) == renderer_faults::CardVerdict::failed;
+    skipped = skipped || verdict_of(card) == renderer_faults::CardVerdict::skipped;
   }
-  write_file(out / "index.html", diagnosis::scorecard_to_html(cards));
-  write_file(out / "shapes.md", diagnosis::scorecard_to_markdown(cards));
+  write_file(out / "index.html", renderer_faults::scorecard_to_html(cards));
+  write_file(out / "shapes.md", renderer_faults::scorecard_to_markdown(cards));
   fmt::print("scorecard: {}\n", (out / "index.html").string());
   if (failed) return ExitStatus::failed;
   return skipped ? ExitStatus::skipped : ExitStatus::passed;

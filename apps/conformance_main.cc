@@ -146,7 +146,7 @@ void choose_cases(const Options& options, const std::vector<std::shared_ptr<cons
     }
   }
   for (const std::string& name : options.allowed) {
-    if (std::ranges::find(cases, name, &golden::GoldenCase::name) == cases.end()) diagnosis::find_detector(name);
+    if (std::ranges::find(cases, name, &golden::GoldenCase::name) == cases.end()) renderer_faults::find_detector(name);
   }
   for (std::size_t i = 0; i < entries.size(); ++i) {
     golden::ScoreRequest request = options.cases;
@@ -238,10 +238,10 @@ TEST_P(GoldenCases, AHandNoticesNoError) {
   const FeltCase& tested = GetParam();
   golden::ScoreRequest request = tested.request;
   request.out = folder.path();
-  const diagnosis::CaseScore score = golden::score_case(
+  const renderer_faults::CaseScore score = golden::score_case(
       {renderers::built_in_catalogue(), synthetic::built_in_generators()}, tested.entry, request, tested.golden);
   if (score.skipped) GTEST_SKIP() << score.problem;
-  if (!diagnosis::fails(score)) return;
+  if (!renderer_faults::fails(score)) return;
   const std::string what =
       score.problem.empty()
           ? fmt::format("{:.3g} N off at most, {:.3g} just noticeable differences", score.max_N, score.max_jnd)

@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
-#include "harness/diagnosis/diagnosis.h"
-#include "harness/diagnosis/entry_engine.h"
 #include "harness/plugin/plugin.h"
+#include "harness/renderer_faults/diagnosis.h"
+#include "harness/renderer_faults/entry_engine.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/tiny_meshes.h"
 
@@ -30,7 +30,7 @@ class OtherBallEngine : public ::testing::Test {
     options.in_process = true;
     const auto entries = plugin::load_plugin(library, options);
     ASSERT_EQ(entries.size(), 1U);
-    engine = diagnosis::engine_of(*entries.front(), {});
+    engine = renderer_faults::engine_of(*entries.front(), {});
     renderer = engine.make(surface::make_embree_surface(testing::cube(half_m)), 1.0);
     renderer->reset();
   }
@@ -38,7 +38,7 @@ class OtherBallEngine : public ::testing::Test {
   Vec3 force(double above_m, double x_m) {
     return renderer->step({t_s += 1e-3, Vec3(x_m, 0.007, half_m + above_m), Quat::Identity()}).f_W_N;
   }
-  diagnosis::Engine engine;
+  renderer_faults::Engine engine;
   std::unique_ptr<rendering::Renderer> renderer;
   double t_s = 0.0;
 };
@@ -60,7 +60,8 @@ TEST_F(OtherBallEngine, FallsThroughABlockAndTheScorecardSaysSo) {
     EXPECT_NEAR(force(radius_m - depth_m, 0.013).z(), -stiffness_N_per_m * (2.0 * radius_m - depth_m), 1e-9);
   EXPECT_EQ(force(radius_m - 5.1e-3, 0.013), Vec3::Zero());
 
-  const diagnosis::Diagnosis found = diagnosis::diagnose(engine, {"falls-through-block", "ball-at-edge", "delay"});
+  const renderer_faults::Diagnosis found =
+      renderer_faults::diagnose(engine, {"falls-through-block", "ball-at-edge", "delay"});
   ASSERT_EQ(found.findings.size(), 2U);
   EXPECT_EQ(found.findings[0].name, "falls-through-block");
   EXPECT_EQ(found.findings[1].name, "ball-at-edge");

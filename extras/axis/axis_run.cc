@@ -8,9 +8,9 @@
 #include "axis_report.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/recording_checks/check_recording.h"
+#include "harness/recording_checks/repeat_floor.h"
 #include "harness/report/page_html.h"
-#include "harness/sanity/repeat_floor.h"
-#include "harness/sanity/sanity.h"
 
 namespace touchstone::axis {
 
@@ -18,7 +18,7 @@ std::string AxisResult::text() const { return axis_text(fit, input.words, floor)
 std::string AxisResult::json() const { return axis_json(fit, input.words, floor); }
 
 std::vector<std::string> check_axis(const AxisInput& input) {
-  return sanity::refuse_insane(as_recording(input.run), {});
+  return recording_checks::refuse_faulty(as_recording(input.run), {});
 }
 
 AxisResult run_axis(const AxisRequest& request, AxisInput input) {
@@ -26,7 +26,7 @@ AxisResult run_axis(const AxisRequest& request, AxisInput input) {
   result.fit = fit_axis(result.input.run);
   if (!request.repeat.empty()) {
     const AxisInput repeat = load_axis(request.repeat, request.flip_force);
-    const auto repeated = sanity::repeat_floor(as_recording(result.input.run), as_recording(repeat.run));
+    const auto repeated = recording_checks::repeat_floor(as_recording(result.input.run), as_recording(repeat.run));
     result.floor = AxisFloor{repeated.force_N, repeated.within_N};
   }
   if (result.fit.reversed) {

@@ -26,7 +26,7 @@ struct AxisResult {
   [[nodiscard]] std::string json() const;  // schema "touchstone-axis/1"
 };
 
-// What is worth knowing of the recording, a sentence each. Throws BadData if it is faulty (sanity.h).
+// What is worth knowing of the recording, a sentence each. Throws BadData if it is faulty (check_recording.h).
 std::vector<std::string> check_axis(const AxisInput& input);
 
 // Fits. Throws BadData for a bad file, for a repeat that cannot be compared, and for a load that drives the motion

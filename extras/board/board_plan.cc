@@ -11,8 +11,8 @@
 #include "harness/pipeline/board_json.h"
 #include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/fitting/fit.h"
+#include "harness/recording_checks/repeat_floor.h"
 #include "harness/rendering/renderer_failed.h"
-#include "harness/sanity/repeat_floor.h"
 
 namespace touchstone::board {
 using rendering::Catalogue;
@@ -135,7 +135,8 @@ void run_floor(const Catalogue& catalogue, const std::string& law, const BoardTa
   row.values[kFloor + 2] = floor.high95_N;
   if (task.request.repeat.empty()) return;
   try {
-    const sanity::RepeatFloor repeat = sanity::repeat_floor_of_files(task.request.recording, task.request.repeat);
+    const recording_checks::RepeatFloor repeat =
+        recording_checks::repeat_floor_of_files(task.request.recording, task.request.repeat);
     row.values[kRepeat] = repeat.force_N;
     row.values[kRepeat + 1] = repeat.text();
   } catch (const BadData& error) {  // the instrument's floor holds without it

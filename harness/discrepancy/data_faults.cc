@@ -11,7 +11,7 @@
 #include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/whitened_regression.h"
-#include "harness/sanity/block_order.h"
+#include "harness/recording_checks/block_order.h"
 
 namespace touchstone::discrepancy {
 using rendering::Candidate;
@@ -110,7 +110,7 @@ std::optional<std::string> find_order_fault(const DetectorSide& side, const Mode
       modelled.push_back(axis_W.dot(prediction.f_W_N[i]));
     }
   }
-  const auto order = sanity::find_wrong_order(t_s, measured, modelled);
+  const auto order = recording_checks::find_wrong_order(t_s, measured, modelled);
   if (!order) return std::nullopt;
   // A force that runs the other way in the file's own order is another fault.
   const auto left = [](double correlation) { return 1.0 - correlation * correlation; };

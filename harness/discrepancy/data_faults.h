@@ -11,9 +11,9 @@
 
 namespace touchstone::discrepancy {
 
-// Blocks of the force in another order than those of the position (see harness/sanity/block_order.h): the modelled load
-// is `model`'s. Needs no search, and so may be asked before one. `side` is all that is learnt from: among the samples
-// of every other block most blocks have no partner, and what clean data leave there is matched by chance.
+// Blocks of the force in another order than those of the position (see harness/recording_checks/block_order.h): the
+// modelled load is `model`'s. Needs no search, and so may be asked before one. `side` is all that is learnt from: among
+// the samples of every other block most blocks have no partner, and what clean data leave there is matched by chance.
 std::optional<std::string> find_order_fault(const DetectorSide& side, const rendering::Model& model);
 
 // Of coefficients alone. `base`: the starting model refitted; `best`: what the search found. Those of the candidates

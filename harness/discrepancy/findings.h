@@ -29,7 +29,7 @@ struct ForceGap {
   double holdout_before_N = 0.0;
   double holdout_after_N = 0.0;
   std::optional<double> holdout_after_again_N;  // by a fresh process from the written model; over the whole recording
-  std::optional<double> repeat_floor_N;         // what one recording does not repeat (sanity/repeat_floor.h)
+  std::optional<double> repeat_floor_N;         // what one recording does not repeat (recording_checks/repeat_floor.h)
   double repeat_within_N = 0.0;                 // up to here an error is as large by chance
 
   void apply_repeat_floor(double floor_N, double within_N) noexcept {

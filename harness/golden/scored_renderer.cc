@@ -38,9 +38,9 @@ std::string shape_of(const GoldenCase& golden) {
 
 }  // namespace
 
-diagnosis::CaseScore score_case(const Catalogues& catalogues, const std::shared_ptr<const RendererEntry>& entry,
-                                const ScoreRequest& request, const GoldenCase& golden) {
-  diagnosis::CaseScore score;
+renderer_faults::CaseScore score_case(const Catalogues& catalogues, const std::shared_ptr<const RendererEntry>& entry,
+                                      const ScoreRequest& request, const GoldenCase& golden) {
+  renderer_faults::CaseScore score;
   score.name = golden.name;
   score.shape = shape_of(golden);
   try {
@@ -91,9 +91,10 @@ std::vector<std::shared_ptr<const RendererEntry>> entries_to_score(std::span<con
   return chosen;
 }
 
-diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::shared_ptr<const RendererEntry>& entry,
-                                    const ScoreRequest& request, const std::vector<GoldenCase>& cases) {
-  diagnosis::Scorecard card;
+renderer_faults::Scorecard score_renderer(const Catalogues& catalogues,
+                                          const std::shared_ptr<const RendererEntry>& entry,
+                                          const ScoreRequest& request, const std::vector<GoldenCase>& cases) {
+  renderer_faults::Scorecard card;
   card.engine = entry->name;
   card.summary = entry->summary;
   card.source = entry->source;
@@ -105,12 +106,12 @@ diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::sha
   card.cases_wanted = request.with_cases;
   card.allowed = request.allowed;
   for (const std::string& name : request.allowed) {
-    const bool known =
-        std::ranges::find(cases, name, &GoldenCase::name) != cases.end() ||
-        std::ranges::find(diagnosis::detectors(), name, &diagnosis::Detector::name) != diagnosis::detectors().end();
+    const bool known = std::ranges::find(cases, name, &GoldenCase::name) != cases.end() ||
+                       std::ranges::find(renderer_faults::detectors(), name, &renderer_faults::Detector::name) !=
+                           renderer_faults::detectors().end();
     if (!known) throw UsageError("--allow " + name + ": neither a fault that is known nor a golden case");
   }
-  const diagnosis::Engine engine = diagnosis::engine_of(*entry, request.facts);
+  const renderer_faults::Engine engine = renderer_faults::engine_of(*entry, request.facts);
   card.epsilon_m = engine.epsilon_m;
   // A plug-in of version 1 says it by a parameter, as it does its epsilon.
   card.world_unit_m = entry->world_unit_m;
@@ -119,9 +120,9 @@ diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::sha
     const auto given = request.facts.parameters.find("world_unit_m");
     card.world_unit_m = given == request.facts.parameters.end() ? unit->initial : given->second;
   }
-  card.diagnosis = diagnosis::diagnose(engine);
+  card.diagnosis = renderer_faults::diagnose(engine);
   constexpr int levels = 5;  // 8192 triangles
-  if (request.cost) card.cost = diagnosis::measure_cost(engine, levels);
+  if (request.cost) card.cost = renderer_faults::measure_cost(engine, levels);
   ScoreRequest with_epsilon = request;
   with_epsilon.felt.epsilon_m = engine.epsilon_m;
   for (const GoldenCase& golden : cases) {

@@ -1,5 +1,5 @@
-// One renderer, judged as a scorecard shows it (harness/diagnosis/scorecard.h): its faults by name, what its steps
-// cost, and its errors on the golden cases, where it takes the place of a case's own renderer.
+// One renderer, judged as a scorecard shows it (harness/renderer_faults/scorecard.h): its faults by name, what its
+// steps cost, and its errors on the golden cases, where it takes the place of a case's own renderer.
 #pragma once
 
 #include <filesystem>
@@ -8,18 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "harness/diagnosis/entry_engine.h"
-#include "harness/diagnosis/scorecard.h"
 #include "harness/golden/catalogues.h"
 #include "harness/golden/felt_verdict.h"
 #include "harness/golden/golden_case.h"
 #include "harness/plugin/plugin.h"
+#include "harness/renderer_faults/entry_engine.h"
+#include "harness/renderer_faults/scorecard.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::golden {
 
 struct ScoreRequest {
-  diagnosis::EngineFacts facts;
+  renderer_faults::EngineFacts facts;
   FeltTolerance felt;   // its epsilon_m is the renderer's own
   std::string options;  // what was given, as the card shows it
   // Of the cases, whose place the renderer takes: what the case sets (stiffness, tip, friction) stays, if the renderer
@@ -38,15 +38,15 @@ std::vector<std::shared_ptr<const rendering::RendererEntry>> entries_to_score(
     const std::vector<std::string>& names);
 
 // One case, as the card has it. `request.felt.epsilon_m` is the renderer's own.
-diagnosis::CaseScore score_case(const Catalogues& catalogues,
-                                const std::shared_ptr<const rendering::RendererEntry>& entry,
-                                const ScoreRequest& request, const GoldenCase& golden);
+renderer_faults::CaseScore score_case(const Catalogues& catalogues,
+                                      const std::shared_ptr<const rendering::RendererEntry>& entry,
+                                      const ScoreRequest& request, const GoldenCase& golden);
 
 // A case that cannot run is a problem in the card, not an error. Throws UsageError if the renderer's stiffness is
 // neither given nor declared or what is allowed is neither a fault nor a case, BadData for parameters that it does not
 // declare.
-diagnosis::Scorecard score_renderer(const Catalogues& catalogues,
-                                    const std::shared_ptr<const rendering::RendererEntry>& entry,
-                                    const ScoreRequest& request, const std::vector<GoldenCase>& cases);
+renderer_faults::Scorecard score_renderer(const Catalogues& catalogues,
+                                          const std::shared_ptr<const rendering::RendererEntry>& entry,
+                                          const ScoreRequest& request, const std::vector<GoldenCase>& cases);
 
 }  // namespace touchstone::golden

@@ -32,8 +32,8 @@ GoldenCase plane_taps() { return case_named("plane-taps"); }
 
 class ScoredRenderer : public ::testing::Test {
  protected:
-  diagnosis::Scorecard score(const std::string& renderer, const std::vector<GoldenCase>& cases,
-                             ScoreRequest request = {}) {
+  renderer_faults::Scorecard score(const std::string& renderer, const std::vector<GoldenCase>& cases,
+                                   ScoreRequest request = {}) {
     request.cost = false;
     request.options = "as given ";
     request.out = folder_.path();
@@ -50,7 +50,7 @@ TEST_F(ScoredRenderer, TheCasesOwnRendererPassesAndWhatCannotRunIsAProblem) {
   broken.surface.generator.clear();
   GoldenCase without = plane_taps();
   without.models.erase("god-object");
-  const diagnosis::Scorecard card = score("god-object", {plane_taps(), broken, without});
+  const renderer_faults::Scorecard card = score("god-object", {plane_taps(), broken, without});
   ASSERT_EQ(card.cases.size(), 2U) << "a case without the model does not count";
   EXPECT_EQ(card.cases[0].name, "plane-taps");
   EXPECT_EQ(card.cases[0].problem, "");
@@ -58,8 +58,8 @@ TEST_F(ScoredRenderer, TheCasesOwnRendererPassesAndWhatCannotRunIsAProblem) {
   EXPECT_TRUE(card.cases[0].felt);
   EXPECT_THAT(card.cases[1].problem, HasSubstr("nowhere.obj"));
   EXPECT_FALSE(card.cases[1].felt);
-  EXPECT_TRUE(card.diagnosis.findings.empty()) << diagnosis::scorecard_to_text(card);
-  EXPECT_EQ(verdict_of(card), diagnosis::CardVerdict::failed) << "what could not run is not green";
+  EXPECT_TRUE(card.diagnosis.findings.empty()) << renderer_faults::scorecard_to_text(card);
+  EXPECT_EQ(verdict_of(card), renderer_faults::CardVerdict::failed) << "what could not run is not green";
   EXPECT_EQ(card.options, "as given ");
   EXPECT_FALSE(card.cost.has_value());
 }
@@ -73,13 +73,13 @@ TEST_F(ScoredRenderer, ABallIsHeldAgainstCasesOfThatBall) {
   const GoldenCase of_a_ball = case_named("crease-concave-approach");
   GoldenCase of_a_point = of_a_ball;
   of_a_point.models["god-object-ball"] = of_a_point.models.at("god-object");
-  const diagnosis::Scorecard card = score("god-object", {of_a_ball, of_a_point}, request);
+  const renderer_faults::Scorecard card = score("god-object", {of_a_ball, of_a_point}, request);
   ASSERT_EQ(card.cases.size(), 2U);
   EXPECT_EQ(card.cases[0].problem, "");
   EXPECT_TRUE(card.cases[0].exact);
   EXPECT_THAT(card.cases[1].problem, HasSubstr("a ball of 0.002 m in radius, the case's of 0 m"));
   EXPECT_TRUE(card.cases[1].skipped);
-  EXPECT_EQ(verdict_of(card), diagnosis::CardVerdict::passed) << diagnosis::scorecard_to_text(card);
+  EXPECT_EQ(verdict_of(card), renderer_faults::CardVerdict::passed) << renderer_faults::scorecard_to_text(card);
 }
 
 // Both know only themselves what they take: a fault, or a case.

@@ -50,7 +50,7 @@ struct Floor {
   std::string how;  // what was simulated
 };
 
-// What two recordings of one motion leave between them (sanity/repeat_floor.h).
+// What two recordings of one motion leave between them (recording_checks/repeat_floor.h).
 struct RepeatOfTask {
   double rms_N = 0.0;
   std::string how;  // which recording it is, and how well the two fit

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/diagnosis/diagnosis.h"
+#include "harness/renderer_faults/diagnosis.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/allocation_guard.h"
 #include "harness/testing/conformance_failure.h"
@@ -20,7 +20,7 @@
 namespace touchstone::testing {
 
 // A renderer under test, with what the suite on shapes must know besides.
-struct RendererSubject : diagnosis::Engine {
+struct RendererSubject : renderer_faults::Engine {
   // How the surface is asked; the shapes' own places are always found with Embree.
   std::function<std::shared_ptr<const surface::Surface>(const surface::TriangleMesh&)> queries =
       surface::make_embree_surface;
@@ -39,12 +39,12 @@ class RendererBehaviour : public ::testing::TestWithParam<RendererSubject> {
 
   // Fails with the finding where one of the faults is there. What follows from another fault fails by that one's name.
   static void expect_none(const std::vector<std::string>& faults) {
-    diagnosis::Engine engine = GetParam();
+    renderer_faults::Engine engine = GetParam();
     if (allocations_are_counted()) engine.allocations = allocations_on_this_thread;
-    const diagnosis::Diagnosis found = diagnosis::diagnose(engine, faults);
+    const renderer_faults::Diagnosis found = renderer_faults::diagnose(engine, faults);
     for (const auto& [name, why] : found.failed) ADD_FAILURE() << name << ": could not be looked for: " << why;
     std::string passed_over;
-    for (const diagnosis::Finding& one : found.findings) {
+    for (const renderer_faults::Finding& one : found.findings) {
       const auto allowed = [&](const std::string& name) {
         return std::ranges::find(GetParam().allowed, name) != GetParam().allowed.end();
       };
@@ -54,7 +54,7 @@ class RendererBehaviour : public ::testing::TestWithParam<RendererSubject> {
         passed_over += one.name + " follows from " + one.follows_from + ": " + one.what + "\n";
       } else {
         ADD_FAILURE() << one.name << ": " << one.what << "\n  " << one.smallest_case
-                      << may_declare_text(diagnosis::find_detector(one.name).needs) << "\n  --allow=" << one.name
+                      << may_declare_text(renderer_faults::find_detector(one.name).needs) << "\n  --allow=" << one.name
                       << " (ALLOW of touchstone_add_renderer_tests) reports it without a failure";
       }
     }

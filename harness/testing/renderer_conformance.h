@@ -38,7 +38,7 @@
 
 #include "harness/base/random.h"
 #include "harness/base/rotations.h"
-#include "harness/diagnosis/engine.h"
+#include "harness/renderer_faults/engine.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/renderer.h"
 #include "harness/rendering/renderer_failed.h"

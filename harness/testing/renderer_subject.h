@@ -1,18 +1,18 @@
 // A renderer's entry as a subject of the conformance suite.
 #pragma once
 
-#include "harness/diagnosis/entry_engine.h"
+#include "harness/renderer_faults/entry_engine.h"
 #include "harness/testing/renderer_conformance.h"
 
 namespace touchstone::testing {
 
-using diagnosis::in_unit;
-using SubjectFacts = diagnosis::EngineFacts;
+using renderer_faults::in_unit;
+using SubjectFacts = renderer_faults::EngineFacts;
 
-// Throws as diagnosis::engine_of() does.
+// Throws as renderer_faults::engine_of() does.
 inline RendererSubject subject_of(const rendering::RendererEntry& entry, const SubjectFacts& facts) {
   RendererSubject subject;
-  static_cast<diagnosis::Engine&>(subject) = diagnosis::engine_of(entry, facts);
+  static_cast<renderer_faults::Engine&>(subject) = renderer_faults::engine_of(entry, facts);
   return subject;
 }
 

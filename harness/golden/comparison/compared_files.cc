@@ -10,7 +10,7 @@
 #include "harness/base/error.h"
 #include "harness/golden/comparison/column_file.h"
 #include "harness/golden/comparison/comparison_report.h"
-#include "harness/sanity/pair_faults.h"
+#include "harness/recording_checks/pair_faults.h"
 
 namespace touchstone::golden {
 
@@ -25,7 +25,7 @@ void flip_forces(TrajectoryColumns& columns) {
 }
 
 // Errors that the real thing has from one time to the next are none of the renderer's.
-bool within(const sanity::RepeatFloor& floor, const Comparison& comparison) {
+bool within(const recording_checks::RepeatFloor& floor, const Comparison& comparison) {
   if (!comparison.problems.empty() || comparison.bad_data) return false;
   return std::ranges::all_of(comparison.groups, [&](const GroupResult& group) {
     if (passes(group.verdict)) return true;
@@ -67,7 +67,7 @@ ComparedFiles compare_files(const CompareRequest& request) {
   std::tie(files.expected, files.obtained) = load_columns(request.expected, request.obtained);
   if (request.flip_force) flip_forces(files.obtained);
   files.comparison = compare(files.expected, files.obtained, request.tolerance.value_or(default_tolerance()));
-  if (!request.repeat.empty()) files.floor = sanity::repeat_floor_of_files(request.expected, request.repeat);
+  if (!request.repeat.empty()) files.floor = recording_checks::repeat_floor_of_files(request.expected, request.repeat);
   files.within_floor = files.floor && within(*files.floor, files.comparison);
   files.passed = passes(files.comparison.verdict) || (files.within_floor && !request.tolerance);
   return files;
@@ -76,9 +76,10 @@ ComparedFiles compare_files(const CompareRequest& request) {
 std::vector<std::string> ComparedFiles::explanations() const {
   std::vector<std::string> lines;
   if (passes(comparison.verdict) || comparison.bad_data) return lines;
-  for (const sanity::SanityFinding& finding :
-       sanity::find_pair_faults(recording_of(expected), recording_of(obtained))) {
-    lines.push_back(fmt::format("{}: {}: {}", obtained.source, to_string(finding.fault), sanity::sanity_line(finding)));
+  for (const recording_checks::RecordingFinding& finding :
+       recording_checks::find_pair_faults(recording_of(expected), recording_of(obtained))) {
+    lines.push_back(
+        fmt::format("{}: {}: {}", obtained.source, to_string(finding.fault), recording_checks::finding_line(finding)));
   }
   return lines;
 }

@@ -9,7 +9,7 @@
 
 #include "harness/golden/comparison/compare.h"
 #include "harness/golden/comparison/tolerance.h"
-#include "harness/sanity/repeat_floor.h"
+#include "harness/recording_checks/repeat_floor.h"
 
 namespace touchstone::golden {
 
@@ -23,7 +23,7 @@ struct CompareRequest {
 struct ComparedFiles {
   TrajectoryColumns expected, obtained;
   Comparison comparison;
-  std::optional<sanity::RepeatFloor> floor;  // if there is a repeat
+  std::optional<recording_checks::RepeatFloor> floor;  // if there is a repeat
   bool within_floor = false;  // no error is larger than what the real thing has from one time to the next
   bool passed = false;
 

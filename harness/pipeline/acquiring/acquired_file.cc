@@ -7,7 +7,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/units.h"
 #include "harness/recording/recording_file.h"
-#include "harness/sanity/sanity.h"
+#include "harness/recording_checks/check_recording.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
 
@@ -21,14 +21,14 @@ CheckedAcquisition acquire_and_check(const acquisition::AcquisitionDescription& 
     surface =
         make_embree_surface(surface::load_mesh(*description.mesh_file, length_unit_factor(description.mesh_unit)));
   }
-  sanity::SanityContext context;
+  recording_checks::RecordingContext context;
   context.surface = surface.get();
   context.mesh_unit = description.mesh_unit;
   context.tip_radius_m = description.tip_radius_m;
   context.contact_force_N = description.contact_force_N;
-  for (const sanity::SanityFinding& finding : check_sanity(result.acquired.recording, context)) {
-    result.acquired.report.notes.push_back(fmt::format("{}: {}", to_string(finding.fault), sanity_line(finding)));
-    result.insane |= finding.weight == sanity::SanityWeight::fault;
+  for (const recording_checks::RecordingFinding& finding : find_recording_faults(result.acquired.recording, context)) {
+    result.acquired.report.notes.push_back(fmt::format("{}: {}", to_string(finding.fault), finding_line(finding)));
+    result.faulty |= finding.weight == recording_checks::FaultWeight::fault;
   }
   return result;
 }

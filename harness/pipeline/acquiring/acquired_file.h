@@ -11,16 +11,16 @@ namespace touchstone::pipeline {
 
 struct CheckedAcquisition {
   acquisition::Acquired acquired;  // its report's notes hold what the gate found, one sentence each
-  bool insane = false;             // the gate found a fault: force reversed or in another frame, another place
+  bool faulty = false;             // the gate found a fault: force reversed or in another frame, another place
   std::filesystem::path file;      // the recording; empty if it was not written
 
-  // Neither insane nor touched in an interval that should be free air.
-  [[nodiscard]] bool passed() const { return !insane && !acquired.report.contact_in_free_air; }
+  // Neither faulty nor touched in an interval that should be free air.
+  [[nodiscard]] bool passed() const { return !faulty && !acquired.report.contact_in_free_air; }
   [[nodiscard]] std::string text() const;  // for people: each step with its residual, and where the recording is
 };
 
-// Acquires, and checks what was made (harness/sanity), against the description's mesh if it names one. Throws BadData
-// naming file, place, value and what to do.
+// Acquires, and checks what was made (harness/recording_checks), against the description's mesh if it names one. Throws
+// BadData naming file, place, value and what to do.
 CheckedAcquisition acquire_and_check(const acquisition::AcquisitionDescription& description);
 
 // The same, written: the recording to `out` (.csv, .csv.gz or .h5) and the report ("touchstone-acquisition-report/1")

@@ -68,7 +68,7 @@ TEST_F(AcquiredFile, ASoundSessionPassesAndIsWritten) {
 
 TEST_F(AcquiredFile, AReversedForceIsNotedAndDoesNotPassButIsWritten) {
   const CheckedAcquisition result = acquire_into(session(-1.0), folder_.path() / "out.csv", "");
-  EXPECT_TRUE(result.insane);
+  EXPECT_TRUE(result.faulty);
   EXPECT_FALSE(result.passed());
   EXPECT_THAT(result.acquired.report.notes, ::testing::Contains(HasSubstr("reversed")));
   EXPECT_GT(recording::load_recording(folder_.path() / "out.csv").size(), 500U);

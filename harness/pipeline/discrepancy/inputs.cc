@@ -10,10 +10,10 @@
 #include "harness/base/units.h"
 #include "harness/plugin/plugin.h"
 #include "harness/recording/recording_file.h"
+#include "harness/recording_checks/check_recording.h"
 #include "harness/rendering/declared_effect.h"
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/out_trajectory.h"
-#include "harness/sanity/sanity.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
@@ -79,7 +79,7 @@ void flip_forces(Recording& recording) {
 
 // Before anything is fitted: what a recording with a fault would be explained by has no meaning.
 void check_recordings(const DiscrepancyFiles& files, DiscrepancyInputs& inputs) {
-  sanity::SanityContext context;
+  recording_checks::RecordingContext context;
   context.surface = inputs.surface.get();
   context.mesh_unit = files.mesh_unit;
   const auto radius = inputs.model.parameters.find("tip_radius_m");
@@ -88,7 +88,7 @@ void check_recordings(const DiscrepancyFiles& files, DiscrepancyInputs& inputs) 
   context.contact_force_N = rendering::default_contact_threshold_N;
   for (const Recording* const recording : {&inputs.train, inputs.holdout ? &*inputs.holdout : nullptr}) {
     if (recording == nullptr) continue;
-    for (const std::string& remark : refuse_insane(*recording, context)) inputs.remarks.push_back("warning: " + remark);
+    for (const std::string& remark : refuse_faulty(*recording, context)) inputs.remarks.push_back("warning: " + remark);
   }
 }
 

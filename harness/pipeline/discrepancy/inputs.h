@@ -24,7 +24,7 @@ struct DiscrepancyInputs {
   std::vector<std::string> remarks;  // on mesh and recordings: what was repaired, what is wrong
 };
 
-// Throws BadData naming the file: also for a recording that is not sane (harness/sanity/sanity.h).
+// Throws BadData naming the file: also for a recording that is not sane (harness/recording_checks/check_recording.h).
 DiscrepancyInputs load_inputs(const rendering::Catalogue& catalogue, const DiscrepancyFiles& files);
 
 // Every contact effect and instrument entry of the catalogue, and the effects that these files declare. Throws BadData

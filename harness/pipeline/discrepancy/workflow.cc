@@ -20,9 +20,9 @@
 #include "harness/pipeline/discrepancy/thinning.h"
 #include "harness/pipeline/discrepancy/verify.h"
 #include "harness/recording/recording_file.h"
+#include "harness/recording_checks/repeat_floor.h"
 #include "harness/rendering/model.h"
 #include "harness/report/page_html.h"
-#include "harness/sanity/repeat_floor.h"
 #include "harness/surface/facet_angle.h"
 
 namespace touchstone::pipeline {
@@ -239,8 +239,8 @@ DiscrepancyAnswer run_discrepancy(const Catalogue& catalogue, const DiscrepancyF
   const EarlierRun earlier(files.out);
   for (const char* const name : {"model.json", "empirical.json", "law-1.json"})
     refuse_to_replace_input(files.out / name);  // before the long work
-  std::optional<sanity::RepeatFloor> floor;
-  if (!files.repeat.empty()) floor = sanity::repeat_floor_of_files(files.recording, files.repeat);
+  std::optional<recording_checks::RepeatFloor> floor;
+  if (!files.repeat.empty()) floor = recording_checks::repeat_floor_of_files(files.recording, files.repeat);
   const Model& model = inputs.model;
   const auto candidates = all_candidates(catalogue, files.effects);
   const surface::TriangleMesh& mesh = inputs.mesh;

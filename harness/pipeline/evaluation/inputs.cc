@@ -11,10 +11,10 @@
 #include "harness/base/units.h"
 #include "harness/metrics/quantiles.h"
 #include "harness/recording/extent_check.h"
+#include "harness/recording_checks/check_recording.h"
 #include "harness/rendering/nearness.h"
 #include "harness/rendering/parameters.h"
 #include "harness/report/quantity.h"
-#include "harness/sanity/sanity.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
@@ -109,14 +109,14 @@ void refuse_faults(const EvaluationRequest& request, EvaluationInputs& inputs) {
   some.source = request.recording.string();
   some.motion = {survey.some_times_s, survey.some_tips_W_m, survey.some_orientations_WS};
   some.f_W_N = survey.some_forces_W_N;
-  sanity::SanityContext context;
+  recording_checks::RecordingContext context;
   context.surface = inputs.surface.get();
   context.mesh_unit = request.mesh_unit;
   // The recording was made by the probe, also where renderers get the point at which it touched.
   context.tip_radius_m = request.probe_radius_m > 0.0 ? request.probe_radius_m : inputs.tip_radius_m;
   context.force_flipped = request.flip_force;
   context.contact_force_N = request.contact_threshold_N;
-  for (std::string& remark : refuse_insane(some, context)) inputs.messages.push_back(std::move(remark));
+  for (std::string& remark : refuse_faulty(some, context)) inputs.messages.push_back(std::move(remark));
 }
 
 // What the renderer says of itself, as " (it renders a point)".
@@ -263,7 +263,7 @@ EvaluationInputs load_inputs(const Catalogue& catalogue, const EvaluationRequest
   refuse_faults(request, inputs);
   inputs.files.push_back(report::describe_input("recording", request.recording));
   if (!request.repeat.empty()) {
-    inputs.floor = sanity::repeat_floor_of_files(request.recording, request.repeat);
+    inputs.floor = recording_checks::repeat_floor_of_files(request.recording, request.repeat);
     inputs.files.push_back(report::describe_input("repeat", request.repeat));
   }
   inputs.files.push_back(report::describe_input("mesh", request.mesh));

@@ -10,9 +10,9 @@
 #include "harness/base/error.h"
 #include "harness/pipeline/evaluation/request.h"
 #include "harness/recording/recording_stream.h"
+#include "harness/recording_checks/repeat_floor.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/report/provenance.h"
-#include "harness/sanity/repeat_floor.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::pipeline {
@@ -57,20 +57,20 @@ struct EvaluationInputs {
   std::size_t open_edges = 0;  // 0: inside and outside exist
   std::shared_ptr<const surface::Surface> surface;
   RecordingSurvey survey;
-  rendering::Model model;                    // with the tip radius that was asked for
-  double tip_radius_m = 0.0;                 // 0 where neither model nor request name one
-  double stiffness_N_per_m = 0.0;            // 0 where the renderer has none and none was given
-  std::optional<sanity::RepeatFloor> floor;  // where the request names a repeat
-  std::vector<report::InputFile> files;      // hashed
+  rendering::Model model;                              // with the tip radius that was asked for
+  double tip_radius_m = 0.0;                           // 0 where neither model nor request name one
+  double stiffness_N_per_m = 0.0;                      // 0 where the renderer has none and none was given
+  std::optional<recording_checks::RepeatFloor> floor;  // where the request names a repeat
+  std::vector<report::InputFile> files;                // hashed
   std::vector<std::string> messages;
 };
 
 // Opens the recording as the request says. Forces still have the file's sign.
 recording::RecordingStream open_recording(const EvaluationRequest& request);
 
-// Throws BadData: unreadable files, a recording that is not sane (harness/sanity/sanity.h: nowhere near the mesh,
-// forces reversed or in another frame), a model that cannot run. Throws TipNotRepresentable for a tip that
-// the renderer cannot have.
+// Throws BadData: unreadable files, a recording that is not sane (harness/recording_checks/check_recording.h: nowhere
+// near the mesh, forces reversed or in another frame), a model that cannot run. Throws TipNotRepresentable for a tip
+// that the renderer cannot have.
 EvaluationInputs load_inputs(const rendering::Catalogue& catalogue, const EvaluationRequest& request);
 
 }  // namespace touchstone::pipeline

@@ -1,8 +1,8 @@
 // What is wrong with a renderer, by what it gives beside what was measured: is its force late, cut at a limit, mirrored
 // or with exchanged axes, or missing in single samples? Each is a model of the residual with what a repair of it gains,
 // and is said only if it gains the most and does so in both halves of the recording. A recording can have the same
-// fault (its clocks, its axes), which the recording's own checks look for (harness/sanity): where both are possible,
-// both are said.
+// fault (its clocks, its axes), which the recording's own checks look for (harness/recording_checks): where both are
+// possible, both are said.
 #pragma once
 
 #include <string>

@@ -332,7 +332,7 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
 }
 
 // What a repeat of the recording differs by, as metrics beside the error that is held against it, and in words.
-void add_floor(const sanity::RepeatFloor& floor, EvaluationResult& result) {
+void add_floor(const recording_checks::RepeatFloor& floor, EvaluationResult& result) {
   const auto error = std::ranges::find(result.metrics, "rms_force_error", &MetricResult::name);
   if (error == result.metrics.end() || error->status != metrics::MetricStatus::ok) return;
   const double error_N = error->value;

@@ -10,9 +10,9 @@
 #include "harness/metrics/time_ranges.h"
 #include "harness/pipeline/evaluation/request.h"
 #include "harness/pipeline/fitting/parameter.h"
+#include "harness/recording_checks/repeat_floor.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/report/provenance.h"
-#include "harness/sanity/repeat_floor.h"
 
 namespace touchstone::pipeline {
 
@@ -47,14 +47,14 @@ struct FitResult {
   std::string fit_range, score_range;
   std::size_t fit_samples = 0, score_samples = 0;
   std::size_t evaluations = 0;
-  std::string interval_note;                         // how the intervals were made, or why there are none
-  std::vector<std::string> warnings;                 // on a bound, flat, faults of the mesh
-  std::vector<std::string> notes;                    // what else is to be said of mesh and recordings
-  std::optional<sanity::RepeatFloor> floor;          // where a repeat of the recording was given
-  std::vector<metrics::MetricResult> score_metrics;  // of the fitted model
-  std::vector<metrics::Series> signals;              // measured_x ..., rendered_x ..., over the whole recording
-  std::vector<std::pair<double, double>> fit_bands;  // time ranges that were fitted
-  rendering::Model model;                            // with the estimates
+  std::string interval_note;                           // how the intervals were made, or why there are none
+  std::vector<std::string> warnings;                   // on a bound, flat, faults of the mesh
+  std::vector<std::string> notes;                      // what else is to be said of mesh and recordings
+  std::optional<recording_checks::RepeatFloor> floor;  // where a repeat of the recording was given
+  std::vector<metrics::MetricResult> score_metrics;    // of the fitted model
+  std::vector<metrics::Series> signals;                // measured_x ..., rendered_x ..., over the whole recording
+  std::vector<std::pair<double, double>> fit_bands;    // time ranges that were fitted
+  rendering::Model model;                              // with the estimates
   std::string model_text;
   report::Provenance provenance;
 };

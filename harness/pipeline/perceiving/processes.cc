@@ -12,12 +12,12 @@
 #include "harness/perception/haptic_data_matrix.h"
 #include "harness/pipeline/evaluation/inputs.h"
 #include "harness/recording/recording_file.h"
+#include "harness/recording_checks/check_recording.h"
+#include "harness/recording_checks/pair_faults.h"
+#include "harness/recording_checks/recording_sample.h"
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/out_trajectory.h"
 #include "harness/rendering/replay.h"
-#include "harness/sanity/pair_faults.h"
-#include "harness/sanity/recording_sample.h"
-#include "harness/sanity/sanity.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
@@ -103,24 +103,26 @@ Recording rendered_by(const rendering::Catalogue& catalogue, const rendering::Mo
 
 Recording read_recording(const PerceiveRequest& request, const std::string& file) {
   Recording recording = recording::load_recording(file);
-  if (request.flip_force) sanity::flip_force(recording);
+  if (request.flip_force) recording_checks::flip_force(recording);
   return recording;
 }
 
 void check_real(const PerceiveRequest& request, const Recording& real, const Surface* surface,
                 std::vector<std::string>& notes) {
-  sanity::SanityContext context;
+  recording_checks::RecordingContext context;
   context.surface = surface;
   context.mesh_unit = request.mesh_unit;
   context.force_flipped = request.flip_force;
   context.contact_force_N = perception::kFingertipForce.absolute_threshold;
-  for (std::string& remark : sanity::refuse_insane(real, context)) notes.push_back(std::move(remark));
+  for (std::string& remark : recording_checks::refuse_faulty(real, context)) notes.push_back(std::move(remark));
 }
 
 void check_condition(const Recording& real, const Recording& condition) {
-  for (const sanity::SanityFinding& finding : sanity::find_pair_faults(real, condition)) {
-    if (finding.fault == sanity::SanityFault::clock) continue;  // a rendering that answers late is what is to be judged
-    throw BadData(fmt::format("{}: {}: {}", condition.source, to_string(finding.fault), sanity::sanity_line(finding)));
+  for (const recording_checks::RecordingFinding& finding : recording_checks::find_pair_faults(real, condition)) {
+    if (finding.fault == recording_checks::RecordingFault::clock)
+      continue;  // a rendering that answers late is what is to be judged
+    throw BadData(
+        fmt::format("{}: {}: {}", condition.source, to_string(finding.fault), recording_checks::finding_line(finding)));
   }
 }
 

@@ -1,5 +1,5 @@
 // What is wrong with a renderer of tools, by name; its errors where the answer is known; and what its steps cost: as
-// the scorecards of renderers of points (harness/diagnosis/scorecard.h), for six degrees of freedom.
+// the scorecards of renderers of points (harness/renderer_faults/scorecard.h), for six degrees of freedom.
 #pragma once
 
 #include <optional>

@@ -1,0 +1,189 @@
+// Faults of touching: where contact begins and where the contact point is.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "harness/renderer_faults/detectors.h"
+#include "harness/renderer_faults/meshes.h"
+#include "harness/renderer_faults/probe.h"
+#include "harness/surface/box_mesh.h"
+
+namespace touchstone::renderer_faults {
+using rendering::StepResult;
+
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+// Rounding of places on a body of this size, with room for some sums.
+constexpr double kPlaceRounding_m = 1e3 * kEps * kHalf_m;
+
+constexpr double kTouchStep_m = 1e-6;
+constexpr double kLatest_m = 4e-4;
+constexpr const char* kComingDown = "a block 40 mm wide, the tip coming down on it in steps of 1 um";
+
+struct Touch {
+  double depth_m = kLatest_m;
+  double force_N = 0.0;
+};
+
+// The first contact of a tip that comes down; none down to the latest depth reads as that depth.
+Touch first_touch(const Engine& engine) {
+  constexpr int from = 40;  // steps above the surface
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), -1e-3);
+  for (int i = -from; kTouchStep_m * i < kLatest_m; ++i) {
+    const double depth_m = kTouchStep_m * (i + 0.5);
+    const StepResult now = probe.press(kPlace, Vec3::UnitZ(), depth_m);
+    if (now.contact) return {depth_m, now.f_W_N.norm()};
+  }
+  return {};
+}
+
+// At the surface and without a jump, but for the last step and what the engine declares.
+bool within_epsilon(const Engine& engine, const Touch& touch) {
+  const double allowed_m = kTouchStep_m + kPlaceRounding_m + engine.epsilon_m;
+  const double most_N = engine.stiffness_N_per_m * allowed_m * (1.0 + engine.friction);
+  return touch.depth_m > 0.0 && touch.depth_m <= allowed_m && touch.force_N <= most_N;
+}
+
+// A tip that has left the surface, by more than its last step and what the engine declares, has no force.
+std::optional<Finding> find_lingering(const Engine& engine) {
+  constexpr double step_m = 5e-5;
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  for (int i = 0; i < 40; ++i) {
+    const double above_m = -kDepth_m + step_m * (i + 0.5);
+    const StepResult now = probe.press(kPlace, Vec3::UnitZ(), -above_m);
+    // A proxy may be an epsilon above the surface, and the tip an epsilon above the proxy.
+    if (above_m <= 2.0 * engine.epsilon_m || !(now.contact || now.f_W_N.norm() > 0.0)) continue;
+    return Finding{"gap-at-contact",
+                   fmt::format("{:.3g} m above the surface that the tip has left there are still {:.3g} N", above_m,
+                               now.f_W_N.norm()),
+                   "a block 40 mm wide, the tip going up from it in steps of 50 um", -above_m, "m"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Finding> find_standoff(const Engine& engine) {
+  Probe probe(engine, level_block());
+  StepResult now = probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  now = probe.press(kPlace, Vec3::UnitZ(), kDepth_m);
+  const double above_m = now.contact_W_m.z() - engine.tip_radius_m;
+  const double allowed_m = kPlaceRounding_m + engine.epsilon_m;
+  if (now.contact && std::abs(above_m) <= allowed_m) {
+    // 0: the engine does not give it.
+    if (now.depth_m == 0.0 || std::abs(now.depth_m - kDepth_m) <= allowed_m + 0.01 * kDepth_m) return std::nullopt;
+    return Finding{
+        "standoff", fmt::format("the depth that it gives is {:.3g} m, of a tip {:g} m deep", now.depth_m, kDepth_m),
+        fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), now.depth_m, "m"};
+  }
+  if (!now.contact) {
+    return Finding{"standoff", "a tip pressed on the level top of a block touches nothing",
+                   fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), 0.0, "m"};
+  }
+  return Finding{"standoff",
+                 fmt::format("the surface contact point is {:.3g} m {} the surface ({:.3g} m are allowed)",
+                             std::abs(above_m), above_m > 0.0 ? "above" : "below", allowed_m),
+                 fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), above_m,
+                 "m"};
+}
+
+std::optional<Finding> find_gap_at_contact(const Engine& engine) {
+  const Touch touch = first_touch(engine);
+  if (within_epsilon(engine, touch)) return find_lingering(engine);
+  if (touch.depth_m >= kLatest_m)
+    return Finding{"gap-at-contact", "contact has not begun 0.4 mm below the surface", kComingDown, kLatest_m, "m"};
+  return Finding{"gap-at-contact",
+                 fmt::format("contact begins {:.3g} m {} the surface, with {:.3g} N at once", std::abs(touch.depth_m),
+                             touch.depth_m > 0.0 ? "below" : "above", touch.force_N),
+                 kComingDown, touch.depth_m, "m"};
+}
+
+std::optional<Finding> find_late_contact(const Engine& engine) {
+  const Touch touch = first_touch(engine);
+  if (touch.depth_m <= kTouchStep_m + kPlaceRounding_m || !within_epsilon(engine, touch)) return std::nullopt;
+  return Finding{
+      "late-contact",
+      fmt::format("contact begins {:.3g} m below the surface, within the {:.3g} m that it declares: no fault",
+                  touch.depth_m, engine.epsilon_m),
+      kComingDown, touch.depth_m, "m"};
+}
+
+std::optional<Finding> find_untouchable_triangles(const Engine& engine) {
+  // Both are the same plane sheet: what is felt must be the same whatever its triangles.
+  for (const double unit : {1.0, 1e-3, 1e3}) {
+    for (const double size_m : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
+      if (size_m * unit < 10.0 * engine.epsilon_m) continue;
+      Probe coarse(engine, nested_sheet(kHalf_m, kHalf_m), unit);
+      Probe fine(engine, nested_sheet(kHalf_m, size_m), unit);
+      // Down in the middle of the small ones, then over them and out over larger and larger ones.
+      const Vec3 start(0.31 * size_m, 0.17 * size_m, 0.0);
+      std::vector<Vec3> feet;
+      feet.reserve(40);
+      for (int i = 0; i < 40; ++i) feet.push_back(start * std::pow(0.5 * kHalf_m / start.norm(), i / 39.0));
+      double worst = 0.0;
+      Vec3 worst_at = start;
+      const auto compare = [&](const Vec3& at, const StepResult& expected, const StepResult& obtained) {
+        const double off = (obtained.f_W_N - expected.f_W_N).norm() / expected.f_W_N.norm();
+        if (!(off <= worst)) {
+          worst = std::isfinite(off) ? off : 1.0;
+          worst_at = at;
+        }
+      };
+      compare(start, coarse.approach(start, Vec3::UnitZ(), kDepth_m), fine.approach(start, Vec3::UnitZ(), kDepth_m));
+      for (const Vec3& foot : feet) {
+        const StepResult expected = coarse.press(foot, Vec3::UnitZ(), kDepth_m);
+        compare(foot, expected, fine.press(foot, Vec3::UnitZ(), kDepth_m));
+      }
+      if (worst <= 0.01) continue;
+      return Finding{"untouchable-triangles",
+                     fmt::format("on a plane sheet with triangles down to {:g} m the force is {:.0f} % off what it is "
+                                 "on large ones, with lengths in units of {:g} m",
+                                 size_m, 100.0 * worst, 1.0 / unit),
+                     fmt::format("a sheet 40 mm wide whose squares halve towards the middle, lengths times {:g}, tip "
+                                 "{:g} mm deep at ({:.3g}, {:.3g}) m",
+                                 unit, 1e3 * kDepth_m, worst_at.x(), worst_at.y()),
+                     size_m, "m"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Finding> find_pops_through_shell(const Engine& engine) {
+  constexpr double below_m = 5e-3;
+  constexpr double step_m = 2e-5;
+  const double late_m = std::max(engine.epsilon_m, first_touch(engine).depth_m) + 2.0 * step_m;
+  // What pulls inward everywhere lets nothing through: another detector says so.
+  if (!(Probe(engine, level_block()).approach(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.z() > 0.0)) return std::nullopt;
+  for (const double thickness_m : {8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5}) {
+    Probe probe(engine, surface::box_mesh({-kHalf_m, -kHalf_m, -thickness_m}, {kHalf_m, kHalf_m, 0.0}));
+    // Contact may begin late, as it does on a block, which is no pop: what counts is a force that was there and is
+    // lost, and none below.
+    probe.approach(kPlace, Vec3::UnitZ(), -step_m);
+    const int steps = static_cast<int>(below_m / step_m);
+    bool touched = false;
+    for (int i = 0; i <= steps; ++i) {
+      const double depth_m = step_m * (i + 0.5);
+      const StepResult now = probe.press(kPlace, Vec3::UnitZ(), depth_m);
+      if (now.contact && now.f_W_N.z() > 0.0) {
+        touched = true;
+        continue;
+      }
+      if (!touched && depth_m < std::max(thickness_m + engine.tip_radius_m, late_m)) continue;
+      return Finding{"pops-through-shell",
+                     fmt::format("a tip pushed into a plate {:g} mm thick is let through, or out below, {:.3g} mm deep",
+                                 1e3 * thickness_m, 1e3 * depth_m),
+                     fmt::format("a plate 40 mm wide and {:g} mm thick, the tip pushed down on its middle in steps of "
+                                 "{:g} mm",
+                                 1e3 * thickness_m, 1e3 * step_m),
+                     thickness_m, "m"};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace touchstone::renderer_faults

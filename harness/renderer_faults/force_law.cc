@@ -1,0 +1,350 @@
+#include "harness/renderer_faults/force_law.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "harness/base/random.h"
+#include "harness/renderer_faults/probe.h"
+#include "harness/surface/box_mesh.h"
+#include "harness/surface/moved_mesh.h"
+
+namespace touchstone::renderer_faults {
+using rendering::Renderer;
+using rendering::StepResult;
+using surface::Surface;
+
+namespace {
+
+// One pressed place: the face's normal, the depth, and what was answered.
+struct Reading {
+  Vec3 n;
+  double depth_m = 0.0;
+  Vec3 f_N;
+};
+
+// No round figures: those would stand on the edge between two steps of a quantised force.
+constexpr std::array kLoads_N{0.0531, 0.1137, 0.2273, 0.517, 1.093, 2.31, 3.71, 5.93, 9.97};
+// Deeper than this no stroke goes, however soft the contact is.
+constexpr double kDeepest_m = 0.05;
+
+double depth_of(const Engine& engine, double load_N) {
+  return std::min(load_N / engine.stiffness_N_per_m, kDeepest_m * load_N / kLoads_N.back());
+}
+
+// Axes, the eight octants, and some more.
+std::vector<Vec3> directions() {
+  std::vector<Vec3> all;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        const int axes = std::abs(x) + std::abs(y) + std::abs(z);
+        // No two components of the same size: which is the strongest must be clear.
+        if (axes == 1 || axes == 3) all.push_back(Vec3(x, 0.83 * y, 0.67 * z).normalized());
+      }
+    }
+  }
+  Random random(213);
+  constexpr int others = 6;
+  for (int i = 0; i < others; ++i) all.push_back(random.direction());
+  return all;
+}
+
+// On the top of a block that is turned so that its top looks along each direction.
+std::vector<Reading> press_everywhere(const Engine& engine) {
+  std::vector<Reading> readings;
+  const double half_m = 5.0 * depth_of(engine, kLoads_N.back()) + kHalf_m;
+  const surface::TriangleMesh block = surface::box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0});
+  for (const Vec3& n : directions()) {
+    const Quat turn = Quat::FromTwoVectors(Vec3::UnitZ(), n);
+    Probe probe(engine, moved(block, turn, Vec3::Zero()));
+    const Vec3 foot = turn * Vec3(0.0031, 0.0017, 0.0);
+    double depth_m = depth_of(engine, kLoads_N.front());
+    probe.approach(foot, n, depth_m);
+    for (const double load_N : kLoads_N) {
+      const double target_m = depth_of(engine, load_N);
+      // 2 m/s at 1 kHz.
+      constexpr double largest_step_m = 2e-3;
+      const int steps = 1 + static_cast<int>((target_m - depth_m) / largest_step_m);
+      const double from_m = depth_m;
+      StepResult last;
+      for (int i = 1; i <= steps; ++i) last = probe.press(foot, n, from_m + (target_m - from_m) * i / steps);
+      // Once more: what is damped is at rest then.
+      last = probe.press(foot, n, target_m);
+      depth_m = target_m;
+      readings.push_back({n, target_m, last.f_W_N});
+    }
+  }
+  return readings;
+}
+
+// F = scale d^power.
+struct Law {
+  double scale = 0.0;
+  double power = 1.0;
+  [[nodiscard]] double operator()(double depth_m) const { return scale * std::pow(depth_m, power); }
+};
+
+// Of what is off, over the rms of the right force, up to a load: what is at fault at high loads alone does not blur
+// what is seen at low ones.
+double off(const std::vector<Reading>& readings, const Law& law, const ForceMap& map, double up_to_N) {
+  double error = 0.0;
+  double right = 0.0;
+  for (const Reading& one : readings) {
+    const Vec3 expected = law(one.depth_m) * one.n;
+    if (expected.norm() > up_to_N) continue;
+    // Each reading counts by its share: a light one as much as a heavy one.
+    error += (one.f_N - map(expected)).squaredNorm() / expected.squaredNorm();
+    right += 1.0;
+  }
+  return std::sqrt(error / std::max(1.0, right));
+}
+
+std::vector<ForceMap> axis_maps() {
+  std::vector<ForceMap> maps;
+  std::array<int, 3> order{0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      ForceMap map;
+      map.from = order;
+      for (std::size_t a = 0; a < 3; ++a) map.positive[a] = map.negative[a] = (signs >> a & 1) != 0 ? -1.0 : 1.0;
+      maps.push_back(map);
+    }
+  } while (std::ranges::next_permutation(order).found);
+  for (std::size_t a = 0; a < 3; ++a) {
+    ForceMap lost;
+    lost.from[a] = -1;
+    maps.push_back(lost);
+    ForceMap half;
+    half.positive[a] = -1.0;
+    maps.push_back(half);
+    half.positive[a] = 1.0;
+    half.negative[a] = -1.0;
+    maps.push_back(half);
+    // No pull along one way of an axis.
+    half.negative[a] = 0.0;
+    maps.push_back(half);
+    half.negative[a] = 1.0;
+    half.positive[a] = 0.0;
+    maps.push_back(half);
+  }
+  ForceMap strongest;
+  strongest.strongest_only = true;
+  maps.push_back(strongest);
+  return maps;
+}
+
+std::vector<Law> laws_of(const Engine& engine, const std::vector<Reading>& readings) {
+  // The median of the normal force of the two lightest loads.
+  std::array<double, 2> light_N{};
+  for (std::size_t load = 0; load < light_N.size(); ++load) {
+    std::vector<double> normal_N;
+    for (std::size_t i = load; i < readings.size(); i += kLoads_N.size()) normal_N.push_back(readings[i].f_N.norm());
+    std::ranges::nth_element(normal_N, normal_N.begin() + std::ssize(normal_N) / 2);
+    light_N[load] = normal_N[normal_N.size() / 2];
+  }
+  std::vector<Law> laws{{engine.stiffness_N_per_m, 1.0}};
+  if (!(light_N[0] > 0.0 && light_N[1] > light_N[0])) return laws;
+  const double d0_m = depth_of(engine, kLoads_N[0]);
+  const double d1_m = depth_of(engine, kLoads_N[1]);
+  laws.push_back({light_N[1] / d1_m, 1.0});
+  const double power = std::log(light_N[1] / light_N[0]) / std::log(d1_m / d0_m);
+  laws.push_back({light_N[0] / std::pow(d0_m, power), power});
+  return laws;
+}
+
+// Limits at which the readings could saturate: the largest that came.
+ForceMap saturated(const std::vector<Reading>& readings, ForceMap map, bool by_axis) {
+  double most_N = 0.0;
+  for (const Reading& one : readings)
+    most_N = std::max(most_N, by_axis ? one.f_N.cwiseAbs().maxCoeff() : one.f_N.norm());
+  (by_axis ? map.axis_limit_N : map.limit_N) = most_N;
+  return map;
+}
+
+// The largest step of which every component that came is a multiple; 0: there is none.
+double common_step_N(const std::vector<Reading>& readings, double limit_N) {
+  std::vector<double> parts_N;
+  for (const Reading& one : readings) {
+    for (const double part : one.f_N) {
+      // What is cut off stands at the limit, not on a step.
+      if (std::abs(part) > 1e-9 && std::abs(part) < (1.0 - 1e-9) * limit_N) parts_N.push_back(std::abs(part));
+    }
+  }
+  if (parts_N.size() < 20) return 0.0;
+  const double least_N = std::ranges::min(parts_N);
+  // The least one is a small multiple of the step.
+  for (int parts = 1; parts <= 4; ++parts) {
+    const double step_N = least_N / parts;
+    const bool all = std::ranges::all_of(parts_N, [&](double part) {
+      return std::abs(part / step_N - std::round(part / step_N)) < 1e-4 * std::max(1.0, part / step_N);
+    });
+    if (all && step_N > 1e-4 * kLoads_N.front()) return step_N;
+  }
+  return 0.0;
+}
+
+class Mapped final : public Renderer {
+ public:
+  Mapped(std::unique_ptr<Renderer> inner, const ForceMap& map) : inner_(std::move(inner)), map_(map) {}
+
+ private:
+  void do_reset() override { inner_->reset(); }
+  StepResult do_step(const rendering::TipState& tip) noexcept override {
+    StepResult result = inner_->step(tip);
+    result.f_W_N = map_(result.f_W_N);
+    return result;
+  }
+  [[nodiscard]] std::string do_failure() const override { return inner_->failure(); }
+  std::unique_ptr<Renderer> inner_;
+  ForceMap map_;
+};
+
+class ClosestPoint final : public Renderer {
+ public:
+  ClosestPoint(std::shared_ptr<const Surface> surface, double stiffness_N_per_m, double radius_m)
+      : surface_(std::move(surface)), stiffness_N_per_m_(stiffness_N_per_m), radius_m_(radius_m) {}
+
+ private:
+  void do_reset() override {}
+  StepResult do_step(const rendering::TipState& tip) noexcept override {
+    StepResult result;
+    result.contact_W_m = tip.p_W_m;
+    const surface::SurfacePoint foot = surface_->closest(tip.p_W_m);
+    const double depth_m = radius_m_ - foot.signed_distance_m;
+    if (!(depth_m > 0.0)) return result;
+    const Vec3 out = foot.signed_distance_m < 0.0 ? Vec3(foot.p_W_m - tip.p_W_m) : Vec3(tip.p_W_m - foot.p_W_m);
+    result.n_W = foot.distance_m > 0.0 ? Vec3(out / foot.distance_m) : foot.n_W;
+    result.depth_m = depth_m;
+    result.contact_W_m = tip.p_W_m + depth_m * result.n_W;
+    result.f_W_N = stiffness_N_per_m_ * depth_m * result.n_W;
+    result.contact = true;
+    return result;
+  }
+  std::shared_ptr<const Surface> surface_;
+  double stiffness_N_per_m_;
+  double radius_m_;
+};
+
+}  // namespace
+
+Vec3 ForceMap::operator()(const Vec3& f) const {
+  Vec3 out;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto i = static_cast<Eigen::Index>(a);
+    const double part = from[a] < 0 ? 0.0 : f[from[a]];
+    out[i] = std::clamp(part * (part > 0.0 ? positive[a] : negative[a]), -axis_limit_N, axis_limit_N);
+  }
+  if (strongest_only) {
+    Eigen::Index strongest = 0;
+    out.cwiseAbs().maxCoeff(&strongest);
+    out = Vec3(out[strongest] * Vec3::Unit(strongest));
+  }
+  if (const double size_N = out.norm(); size_N > limit_N) out *= limit_N / size_N;
+  if (step_N > 0.0) {
+    for (double& part : out) part = step_N * std::round(part / step_N);
+  }
+  return out;
+}
+
+ForceMap ForceMap::axes_alone() const {
+  ForceMap axes;
+  axes.from = from;
+  axes.positive = positive;
+  axes.negative = negative;
+  axes.strongest_only = strongest_only;
+  return axes;
+}
+
+std::optional<ForceMap> ForceMap::inverse() const {
+  ForceMap undo;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (strongest_only || from[a] < 0 || positive[a] != negative[a] || positive[a] == 0.0) return std::nullopt;
+    const auto b = static_cast<std::size_t>(from[a]);
+    undo.from[b] = static_cast<int>(a);
+    undo.positive[b] = undo.negative[b] = 1.0 / positive[a];
+  }
+  return undo;
+}
+
+ForceFaults identify_force_map(const Engine& engine) {
+  const auto readings = press_everywhere(engine);
+  const auto laws = laws_of(engine, readings);
+  constexpr double light_N = 0.24;
+  constexpr double all_N = std::numeric_limits<double>::infinity();
+  // A fault must take away most of what is off, and more than rounding, epsilon and a per cent, and leave little.
+  const auto explains = [&](double with, double without) {
+    return with < 0.3 * without && without > 0.01 && with < 0.15;
+  };
+  ForceFaults faults;
+  Law law = laws.front();
+  const auto best_law = [&](const ForceMap& map, double up_to_N) {
+    double least = all_N;
+    for (const Law& one : laws) {
+      if (const double now = off(readings, one, map, up_to_N); now < 0.9 * least) {
+        least = now;
+        law = one;
+      }
+    }
+    return least;
+  };
+  faults.before = best_law({}, all_N);
+
+  // Axes first, from light loads, at which nothing saturates that is of use; a saturation below is tried with them.
+  double axes_off = best_law({}, light_N);
+  ForceMap axes;
+  for (const ForceMap& map : axis_maps()) {
+    const double now = best_law(map, light_N);
+    if (!explains(now, axes_off)) continue;
+    axes_off = now;
+    axes = map;
+    faults.axes = true;
+  }
+  faults.map = axes;
+  double now_off = best_law(axes, all_N);
+  for (const bool by_axis : {true, false}) {
+    const ForceMap map = saturated(readings, axes, by_axis);
+    const double with = best_law(map, all_N);
+    if (!explains(with, now_off)) continue;
+    now_off = with;
+    faults.map = map;
+    faults.saturated = true;
+  }
+  ForceMap stepped = faults.map;
+  stepped.step_N = common_step_N(readings, std::min(faults.map.axis_limit_N, faults.map.limit_N));
+  if (stepped.step_N > 0.0) {
+    const double with = best_law(stepped, all_N);
+    constexpr double least = 2e-3;
+    if (const double without = best_law(faults.map, all_N); without > least && with < 0.3 * without) {
+      now_off = with;
+      faults.map = stepped;
+      faults.quantised = true;
+    }
+  }
+  faults.after = now_off;
+  return faults;
+}
+
+Engine with_map(const Engine& engine, const ForceMap& map) {
+  Engine mapped = engine;
+  mapped.make = [make = engine.make, map](std::shared_ptr<const Surface> surface, double unit) {
+    return std::unique_ptr<Renderer>(std::make_unique<Mapped>(make(std::move(surface), unit), map));
+  };
+  return mapped;
+}
+
+Engine reference_engine(const Engine& like) {
+  Engine reference = like;
+  reference.friction = 0.0;
+  reference.epsilon_m = 0.0;
+  reference.settle_samples = 0;
+  reference.allocations = {};
+  reference.make = [k = like.stiffness_N_per_m, r = like.tip_radius_m](std::shared_ptr<const Surface> surface,
+                                                                       double unit) {
+    return std::unique_ptr<Renderer>(std::make_unique<ClosestPoint>(std::move(surface), k / unit, r * unit));
+  };
+  return reference;
+}
+
+}  // namespace touchstone::renderer_faults

@@ -1,0 +1,464 @@
+#include "harness/renderer_faults/timing.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "harness/base/random.h"
+#include "harness/renderer_faults/probe.h"
+#include "harness/stats/quantile.h"
+
+namespace touchstone::renderer_faults {
+namespace {
+
+constexpr std::size_t kLevels = 32;
+constexpr std::size_t kMemory = 24;  // samples within which no depth comes twice: lags up to there can be told apart
+constexpr std::size_t kSteps = 1600;
+constexpr std::size_t kLongestPeriod = 200;  // of lags that repeat themselves
+constexpr std::size_t kFrom = 64;            // samples that are only remembered
+constexpr double kShallow_m = 2e-4;
+constexpr double kDeep_m = 1e-3;
+
+// The normal force once it no longer changes: over 128 samples by less than a ten thousandth of the load. What never
+// comes to rest is read as the median of the last ones.
+double settled_N(Probe& probe, double depth_m, const Vec3& along, double load_N) {
+  constexpr std::size_t window = 128;
+  constexpr int most_windows = 24;
+  std::vector<double> last(window);
+  for (int i = 0; i < most_windows; ++i) {
+    for (double& force : last) force = probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.dot(along);
+    const auto [low, high] = std::ranges::minmax(last);
+    if (high - low <= 1e-4 * load_N) break;
+  }
+  return stats::upper_median(last);
+}
+
+// Where the force grows to with the depth, once it has settled: along the normal, if nothing is wrong with the frame.
+Vec3 direction_of_force(const Engine& engine, double shallow_m, double deep_m) {
+  Probe probe(engine, level_block());
+  constexpr int rest = 600;
+  const auto at = [&](double depth_m) {
+    probe.approach(kPlace, Vec3::UnitZ(), depth_m);
+    Vec3 last = Vec3::Zero();
+    for (int i = 0; i < rest; ++i) last = probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N;
+    return last;
+  };
+  const Vec3 shallow = at(shallow_m);
+  const Vec3 more = at(deep_m) - shallow;
+  constexpr double least = 0.05;  // of what is right
+  if (!(more.norm() > least * engine.stiffness_N_per_m * (deep_m - shallow_m))) return Vec3::UnitZ();
+  return more.normalized();
+}
+
+// F and S of the header, one for each sample.
+struct Response {
+  std::vector<double> force_N, settled_N;
+  double spacing_N = 0.0;  // of S from depth to depth
+};
+
+Response response_to_jumps(const Engine& engine) {
+  Probe probe(engine, level_block());
+  const double load_N = engine.stiffness_N_per_m * kDeep_m;
+  const Vec3 along = direction_of_force(engine, kShallow_m, kDeep_m);
+  const auto depth_m = [](std::size_t level) {
+    return kShallow_m + (kDeep_m - kShallow_m) * static_cast<double>(level) / (kLevels - 1);
+  };
+  probe.approach(kPlace, Vec3::UnitZ(), kShallow_m);
+  std::vector<double> settled(kLevels);
+  for (std::size_t level = 0; level < kLevels; ++level)
+    settled[level] = settled_N(probe, depth_m(level), along, load_N);
+  Response response;
+  const auto [low, high] = std::ranges::minmax(settled);
+  response.spacing_N = (high - low) / (kLevels - 1);
+  Random random(211);
+  std::vector<std::size_t> levels;
+  for (std::size_t i = 0; i < kSteps; ++i) {
+    const std::size_t remembered = std::min(kMemory, levels.size());
+    std::size_t level = random.below(kLevels);
+    while (std::find(levels.end() - static_cast<std::ptrdiff_t>(remembered), levels.end(), level) != levels.end())
+      level = (level + 1) % kLevels;
+    levels.push_back(level);
+    response.settled_N.push_back(settled[level]);
+    response.force_N.push_back(probe.press(kPlace, Vec3::UnitZ(), depth_m(level)).f_W_N.dot(along));
+  }
+  return response;
+}
+
+double in_ms(const Engine& engine, double samples) { return 1e3 * samples / engine.rate_Hz; }
+
+// Held answers: the samples of an update, and the period if they have one.
+std::optional<Timing> find_hold(const Engine& engine, const Response& response) {
+  const auto& f = response.force_N;
+  const auto& s = response.settled_N;
+  std::vector<std::size_t> updates;
+  std::size_t repeated = 0;
+  for (std::size_t i = kFrom; i < f.size(); ++i) {
+    const bool same = std::abs(f[i] - f[i - 1]) <= 1e-9 * std::abs(f[i]);
+    if (same && std::abs(s[i] - s[i - 1]) > 0.5 * response.spacing_N) {
+      ++repeated;
+    } else if (!same) {
+      updates.push_back(i);
+    }
+  }
+  constexpr double least_share = 0.4;  // every second answer is new at least
+  if (updates.size() < 3 || static_cast<double>(repeated) < least_share * static_cast<double>(f.size() - kFrom))
+    return std::nullopt;
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < updates.size(); ++i) gaps.push_back(static_cast<double>(updates[i] - updates[i - 1]));
+  // An update to a depth of the same force is not seen: its gap is of two periods.
+  const double usual = stats::upper_median(gaps);
+  double periods = 0.0;
+  double sum = 0.0;
+  for (const double gap : gaps) {
+    periods += std::max(1.0, std::round(gap / usual));
+    sum += gap;
+  }
+  Timing timing;
+  timing.period_samples = sum / periods;
+  const auto irregular = std::ranges::count_if(gaps, [&](double gap) {
+    return std::abs(gap - std::max(1.0, std::round(gap / usual)) * timing.period_samples) > 1.0;
+  });
+  const double longest = std::ranges::max(gaps);
+  // An update may be late itself.
+  std::array<double, kMemory> off{};
+  for (std::size_t lag = 0; lag < kMemory; ++lag) {
+    for (const std::size_t i : updates) off[lag] += std::abs(f[i] - s[i - lag]);
+  }
+  const auto late = std::ranges::min_element(off) - off.begin();
+  timing.settle_samples = static_cast<int>(longest) + static_cast<int>(late) + 1;
+  timing.lag_samples = longest;
+  if (10 * irregular > std::ssize(gaps)) {
+    timing.kind = TimingKind::jitter;
+    timing.what =
+        fmt::format("an answer is held for {:g} to {:g} samples, without a period", std::ranges::min(gaps), longest);
+    return timing;
+  }
+  timing.kind = TimingKind::held;
+  timing.what = fmt::format(
+      "each answer is held: the force changes at every {:.4g}th sample only, {:.4g} Hz in a loop of "
+      "{:g} Hz",
+      timing.period_samples, engine.rate_Hz / timing.period_samples, engine.rate_Hz);
+  if (late > 0) timing.what += fmt::format(", and {} samples late then", late);
+  return timing;
+}
+
+// Of each sample the fewest samples ago at which its force was right; -1 where it never was.
+std::vector<int> lags_of(const Response& response) {
+  std::vector<int> lags;
+  for (std::size_t i = kFrom; i < response.force_N.size(); ++i) {
+    int lag = -1;
+    for (std::size_t back = 0; back < kMemory && lag < 0; ++back) {
+      if (std::abs(response.force_N[i] - response.settled_N[i - back]) <= 0.25 * response.spacing_N)
+        lag = static_cast<int>(back);
+    }
+    lags.push_back(lag);
+  }
+  return lags;
+}
+
+double share_of(const std::vector<int>& lags, int lag) {
+  return static_cast<double>(std::ranges::count(lags, lag)) / static_cast<double>(lags.size());
+}
+
+// The shortest period after which 98 % of the late samples are as late again; 0: there is none.
+std::size_t period_of(const std::vector<int>& lags) {
+  for (std::size_t period = 2; period <= kLongestPeriod; ++period) {
+    std::size_t late = 0;
+    std::size_t again = 0;
+    for (std::size_t i = period; i < lags.size(); ++i) {
+      if (lags[i] <= 0) continue;
+      ++late;
+      again += lags[i] == lags[i - period] ? 1U : 0U;
+    }
+    if (late > 2 && 50 * again >= 49 * late) return period;
+  }
+  return 0;
+}
+
+std::string late_sentence(const Engine& engine, double lag) {
+  return fmt::format("the force is {:g} sample{} late ({:.3g} ms)", lag, lag == 1.0 ? "" : "s", in_ms(engine, lag));
+}
+
+// What the lags say; nothing if too many samples have none.
+std::optional<Timing> by_lags(const Engine& engine, const std::vector<int>& lags) {
+  Timing timing;
+  if (share_of(lags, -1) > 0.05) return std::nullopt;
+  const int largest = std::ranges::max(lags);
+  timing.lag_samples = largest;
+  timing.settle_samples = 2 * largest + 1;
+  if (largest <= 0) return timing;
+  for (int lag = 1; lag <= largest; ++lag) {
+    if (share_of(lags, lag) < 0.98) continue;
+    timing.kind = TimingKind::delay;
+    timing.lag_samples = lag;
+    timing.what = late_sentence(engine, lag);
+    return timing;
+  }
+  const double late = 1.0 - share_of(lags, 0) - share_of(lags, -1);
+  if (const std::size_t period = period_of(lags); period > 0) {
+    timing.kind = TimingKind::alternate;
+    timing.period_samples = static_cast<double>(period);
+    timing.settle_samples += static_cast<int>(period);
+    timing.what = fmt::format("of every {} samples {:.2g} are late, by up to {} sample{}", period,
+                              late * static_cast<double>(period), largest, largest == 1 ? "" : "s");
+    return timing;
+  }
+  timing.kind = TimingKind::jitter;
+  timing.what = fmt::format("{:.2g} % of the samples are late, by up to {} sample{}, without a period", 100.0 * late,
+                            largest, largest == 1 ? "" : "s");
+  return timing;
+}
+
+std::optional<Timing> find_clipped(const std::vector<double>& change_N, double load_N) {
+  double most_N = 0.0;
+  for (const double change : change_N) most_N = std::max(most_N, std::abs(change));
+  if (!(most_N > 1e-3 * load_N)) return std::nullopt;
+  const auto at_most =
+      std::ranges::count_if(change_N, [&](double change) { return std::abs(change) > (1.0 - 1e-6) * most_N; });
+  if (5 * at_most < std::ssize(change_N) || at_most < 4) return std::nullopt;
+  Timing timing;
+  timing.kind = TimingKind::clipped;
+  timing.per_sample_N = most_N;
+  constexpr double largest_load_N = 10.0;
+  timing.settle_samples = static_cast<int>(std::min(1e3, 1.0 + largest_load_N / most_N));
+  timing.what = fmt::format("the force changes by no more than {:.3g} N from sample to sample", most_N);
+  return timing;
+}
+
+// The model with the force and the depth of the sample before.
+Timing by_filter(const Engine& engine, const Response& response) {
+  const auto& f = response.force_N;
+  const auto& s = response.settled_N;
+  // Where damping pulls, the force is cut off at 0, and the law is another one.
+  std::vector<std::size_t> rows;
+  for (std::size_t i = kFrom; i < f.size(); ++i) {
+    if (f[i] > 0.0 && f[i - 1] > 0.0) rows.push_back(i);
+  }
+  Timing timing;
+  timing.kind = TimingKind::unclear;
+  constexpr std::size_t least_rows = 100;
+  if (rows.size() < least_rows) return timing;
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixX4d a(count, 4);
+  Eigen::VectorXd y(count);
+  for (Eigen::Index row = 0; row < count; ++row) {
+    const std::size_t i = rows[static_cast<std::size_t>(row)];
+    a.row(row) << f[i - 1], s[i], s[i - 1], 1.0;
+    y[row] = f[i];
+  }
+  const Eigen::Vector4d x = a.colPivHouseholderQr().solve(y);
+  const double left = (a * x - y).squaredNorm() / (y.array() - y.mean()).matrix().squaredNorm();
+  constexpr double explained = 1e-3;  // of the variance
+  if (!(left < explained)) return timing;
+  const double again = std::clamp(x[0], 0.0, 1.0 - 1e-6);
+  constexpr double settled_to = 1e-5;
+  constexpr double longest = 2000.0;
+  timing.settle_samples =
+      2 + (again > 1e-3 ? static_cast<int>(std::min(longest, std::log(settled_to) / std::log(again))) : 0);
+  // At once at least the settled force: damping, relaxation.
+  if (x[1] >= 0.95) {
+    timing.kind = TimingKind::viscous;
+    return timing;
+  }
+  timing.kind = TimingKind::filter;
+  timing.lag_samples = x[2] / std::max(1e-9, x[1] + x[2]) + again / (1.0 - again);
+  timing.time_constant_s = timing.lag_samples / engine.rate_Hz;
+  if (again > 1e-3 && std::abs(x[2]) < 0.1 * x[1]) timing.time_constant_s = -1.0 / (engine.rate_Hz * std::log(again));
+  timing.what =
+      fmt::format("the force is low-pass filtered: a time constant of {:.3g} ms, {:.3g} samples late in the mean",
+                  1e3 * timing.time_constant_s, timing.lag_samples);
+  return timing;
+}
+
+// The lag that leaves least of the force's variance, where no model says more: with damping or relaxation the depth of
+// now does not say everything, but that of another sample must not say it better.
+void by_variance(const Engine& engine, const Response& response, Timing& timing) {
+  std::vector<double> left(kMemory + 1, 0.0);
+  for (std::size_t lag = 0; lag <= kMemory; ++lag) {
+    for (std::size_t i = kFrom; i < response.force_N.size(); ++i) {
+      const double off = response.force_N[i] - response.settled_N[i - lag];
+      left[lag] += off * off;
+    }
+  }
+  const auto least = static_cast<std::size_t>(std::ranges::min_element(left) - left.begin());
+  if (least == 0 || !(left[least] < 0.5 * left[0])) return;
+  timing.kind = TimingKind::delay;
+  timing.lag_samples = static_cast<double>(least);
+  timing.settle_samples = static_cast<int>(2 * least + kMemory);
+  timing.what = late_sentence(engine, timing.lag_samples) +
+                fmt::format(", and not by this alone: {:.2g} of the error is left", left[least] / left[0]);
+}
+
+// Up and down by 2 mm a sample, up to 10 N.
+std::optional<Timing> with_large_jumps(const Engine& engine) {
+  constexpr double jump_m = 2e-3;
+  constexpr double most_N = 10.0;
+  constexpr double deepest_m = 0.05;
+  const double deep_m = std::min(deepest_m, most_N / engine.stiffness_N_per_m);
+  const double half_m = std::max(0.1, 5.0 * deep_m);
+  Probe probe(engine, surface::box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0}));
+  probe.approach(kPlace, Vec3::UnitZ(), kShallow_m);
+  std::vector<double> change_N;
+  const Vec3 along = direction_of_force(engine, kShallow_m, kDeep_m);
+  double last_N = probe.press(kPlace, Vec3::UnitZ(), kShallow_m).f_W_N.dot(along);
+  double worst_N = 0.0;
+  constexpr int strokes = 6;
+  for (int stroke = 0; stroke < strokes; ++stroke) {
+    const int steps = std::max(1, static_cast<int>(deep_m / jump_m));
+    std::vector<double> moving_N;
+    const auto depth_at = [&](int i) {
+      const double share = static_cast<double>(stroke % 2 == 0 ? i : steps - i) / steps;
+      return kShallow_m + share * (deep_m - kShallow_m);
+    };
+    for (int i = 1; i <= steps; ++i) {
+      moving_N.push_back(probe.press(kPlace, Vec3::UnitZ(), depth_at(i)).f_W_N.dot(along));
+      change_N.push_back(moving_N.back() - last_N);
+      last_N = moving_N.back();
+    }
+    // Here it comes to rest.
+    constexpr int rest = 400;
+    double first_N = last_N;
+    for (int i = 0; i < rest; ++i) last_N = probe.press(kPlace, Vec3::UnitZ(), depth_at(steps)).f_W_N.dot(along);
+    worst_N = std::max(worst_N, std::abs(last_N - first_N));
+  }
+  if (worst_N < 0.01 * most_N) return std::nullopt;
+  return find_clipped(change_N, engine.stiffness_N_per_m * deep_m);
+}
+
+Timing every_second_late(double more_N, const std::string& how) {
+  Timing timing;
+  timing.kind = TimingKind::alternate;
+  timing.lag_samples = 1.0;
+  timing.period_samples = 2.0;
+  timing.settle_samples = 3;
+  timing.what = fmt::format(
+      "every second answer is late while the tip slides: its contact point is that of an earlier sample, which pulls "
+      "sideways by {:.3g} N {}, and not once the tip rests",
+      more_N, how);
+  return timing;
+}
+
+// With friction, which takes what is sideways up to its cone: the contact point of the sample before pulls beyond the
+// cone, if the steps are as long as twice what the cone holds.
+std::optional<Timing> with_friction(const Engine& engine) {
+  const double step_m = std::max(2.0 * engine.friction * kDepth_m, 3.0 * engine.epsilon_m);
+  constexpr double way_m = 0.03;
+  constexpr int least_steps = 20;
+  const int steps = static_cast<int>(way_m / step_m);
+  if (steps < least_steps) return std::nullopt;
+  Probe probe(engine, level_block());
+  const Vec3 start = kPlace - Vec3(0.5 * way_m, 0.0, 0.0);
+  probe.approach(start, Vec3::UnitZ(), kDepth_m);
+  std::array<double, 2> share{};  // of the load, in the even and the odd samples of the second half
+  const int counted = steps / 4;
+  for (int i = 0; i < steps; ++i) {
+    const Vec3 now_N = probe.press(start + Vec3(i * step_m, 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N;
+    if (i >= steps - 2 * counted) share[static_cast<std::size_t>(i % 2)] += std::abs(now_N.x()) / now_N.z() / counted;
+  }
+  const auto [low, high] = std::minmax(share[0], share[1]);
+  if (!(high > 1.5 * engine.friction && low < 1.1 * engine.friction)) return std::nullopt;
+  return every_second_late((high - engine.friction) * engine.stiffness_N_per_m * kDepth_m, "beyond its friction");
+}
+
+// Sideways forces of a tip that slides to and fro at one depth.
+Timing with_slides(const Engine& engine) {
+  constexpr std::size_t steps = 1200;
+  // Moves of less than its epsilon are none to the engine.
+  const double largest_step_m = std::max(4e-5, 3.0 * engine.epsilon_m);
+  const double reach_m = 25.0 * largest_step_m;
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  Random random(212);
+  std::vector<double> x_m{0.0};
+  std::vector<double> sideways_N{0.0};
+  for (std::size_t i = 1; i < steps; ++i) {
+    x_m.push_back(std::clamp(x_m.back() + largest_step_m * random.uniform(-1.0, 1.0), -reach_m, reach_m));
+    sideways_N.push_back(probe.press(kPlace + Vec3(x_m.back(), 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N.x());
+  }
+  const double allowed_N = engine.stiffness_N_per_m * (2e-3 * kDepth_m + engine.epsilon_m);
+  Timing timing;
+  // Periods beyond the second are not tried: one late answer in many leaves the others right.
+  std::array<double, 2> rms_N{};
+  for (std::size_t i = kFrom; i < steps; ++i) rms_N[i % 2] += sideways_N[i] * sideways_N[i];
+  for (double& one : rms_N) one = std::sqrt(2.0 * one / static_cast<double>(steps - kFrom));
+  const double most_N = std::max(rms_N[0], rms_N[1]);
+  const double least_N = std::min(rms_N[0], rms_N[1]);
+  // An epsilon is the same in both: it does not count here.
+  constexpr double clearly = 3.0;
+  if (most_N > engine.stiffness_N_per_m * 2e-3 * kDepth_m && most_N > clearly * least_N) {
+    return every_second_late(most_N, fmt::format("rms ({:.2g} N in the others)", least_N));
+  }
+  if (engine.friction > 0.0) return with_friction(engine).value_or(timing);
+  if (most_N <= allowed_N) return timing;
+  for (std::size_t lag = 1; lag < kMemory; ++lag) {
+    double off = 0.0;
+    double all = 0.0;
+    for (std::size_t i = kFrom; i < steps; ++i) {
+      const double late_N = engine.stiffness_N_per_m * (x_m[i - lag] - x_m[i]);
+      off += (sideways_N[i] - late_N) * (sideways_N[i] - late_N);
+      all += sideways_N[i] * sideways_N[i];
+    }
+    if (off > 0.02 * all) continue;
+    timing.kind = TimingKind::delay;
+    timing.lag_samples = static_cast<double>(lag);
+    timing.settle_samples = static_cast<int>(2 * lag + 1);
+    timing.what = late_sentence(engine, timing.lag_samples) + " while the tip slides: it springs to an earlier place";
+    return timing;
+  }
+  return timing;
+}
+
+}  // namespace
+
+std::string Timing::fault() const {
+  if (declared) return "";
+  switch (kind) {
+    case TimingKind::delay:
+      return "delay";
+    case TimingKind::alternate:
+      return "alternate-lag";
+    case TimingKind::held:
+      return "held-answer";
+    case TimingKind::jitter:
+      return "jitter";
+    case TimingKind::filter:
+      return "filter";
+    case TimingKind::clipped:
+      return "clipped-rate";
+    case TimingKind::exact:
+    case TimingKind::viscous:
+    case TimingKind::unclear:
+      break;
+  }
+  return "";
+}
+
+Timing identify_timing(const Engine& engine) {
+  const Response response = response_to_jumps(engine);
+  // The force is the same at every depth: nothing can be told from it.
+  if (!(response.spacing_N > 0.0)) return {};
+  if (auto held = find_hold(engine, response)) return *held;
+  Timing timing;
+  if (auto late = by_lags(engine, lags_of(response))) {
+    timing = *late;
+  } else {
+    std::vector<double> change_N;
+    for (std::size_t i = kFrom; i < kSteps; ++i) change_N.push_back(response.force_N[i] - response.force_N[i - 1]);
+    if (auto clipped = find_clipped(change_N, engine.stiffness_N_per_m * kDeep_m)) return *clipped;
+    timing = by_filter(engine, response);
+    if (timing.kind == TimingKind::unclear) by_variance(engine, response, timing);
+  }
+  if (timing.kind == TimingKind::exact) {
+    if (auto clipped = with_large_jumps(engine)) return *clipped;
+    timing = with_slides(engine);
+  }
+  timing.declared = timing.kind == TimingKind::delay && timing.lag_samples <= engine.lag_samples;
+  return timing;
+}
+
+}  // namespace touchstone::renderer_faults
