@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -83,6 +84,19 @@ void add_discrepancy(CLI::App& program, Run& run) {
   command->add_option("--repeat", options->files.repeat,
                       "the motion of --recording recorded again (it may be the holdout): what the two differ by is the "
                       "floor, and an error within it is not unexplained");
+  command->add_option_function<std::string>(
+      "--tolerance",
+      [options](const std::string& given) {
+        options->files.unnoticed_passes = given == "noticed";
+        if (options->files.unnoticed_passes) return;
+        double newton = 0.0;
+        if (!CLI::detail::lexical_cast(given, newton) || !(newton > 0.0 && std::isfinite(newton)))
+          throw UsageError(
+              fmt::format("--tolerance {}: a force above 0 [N], or the word noticed, was expected", given));
+        options->files.tolerance_N = newton;
+      },
+      "a held-out RMS error that is good enough [N], or `noticed`: less than a fingertip notices at these forces. "
+      "Within it nothing counts as missing, though noise leaves less");
   command->add_option("--block", options->files.block_s, "length of those blocks [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -131,6 +131,27 @@ void say_repeat(Findings& findings) {
                   gap.holdout_after_N, floor_N);
 }
 
+// Noise is the least that could be left; these say whether more than that matters.
+void say_floors(Findings& findings) {
+  const ForceGap& gap = findings.gap;
+  if (findings.search.data_fault) return;
+  if (gap.tolerance_N) {
+    findings.explanation +=
+        fmt::format(" The held-out error of {:.4g} N is {} the tolerance of {:.4g} N.", gap.holdout_after_N,
+                    gap.holdout_after_N <= *gap.tolerance_N ? "within" : "beyond", *gap.tolerance_N);
+  }
+  if (!gap.left_jnd || !std::isfinite(*gap.left_jnd)) return;
+  const bool more_than_noise = findings.code != "nothing-missing" && findings.code != "effects-explain";
+  if (more_than_noise || gap.unnoticed_passes) {
+    findings.explanation += fmt::format(
+        " What is left is {:.2g} of what a fingertip just notices at these forces (RMS over the samples){}.",
+        *gap.left_jnd,
+        *gap.left_jnd > 1.0    ? ""
+        : gap.unnoticed_passes ? ", which is good enough, as was asked for"
+                               : "; if that is good enough, search with --tolerance noticed");
+  }
+}
+
 // "coulomb-friction explains 41 % of the disagreement, stiffness-map 32 %; 0.19 N of 0.44 N is left, noise gives 0.11
 // N." Empty where nothing was found.
 std::string first_sentence(const Findings& findings) {
@@ -296,6 +317,11 @@ std::string sentences(const Findings& findings) {
                            ? "Nothing is missing that this object repeats."
                            : fmt::format("With {} nothing is missing that this object repeats.", found));
   }
+  if (code == within_tolerance || code == not_noticed) {
+    const std::string_view than = code == not_noticed ? "than a fingertip notices" : "than the tolerance allows";
+    return fmt::format("{} no more is left {}. More is left than the noise of the sensor.",
+                       found.empty() ? "Nothing is missing that matters:" : fmt::format("With {}", found), than);
+  }
   return fmt::format("{} {} missing. With {} the held-out error falls from {:.4g} N to {:.4g} N.", found,
                      search.found.size() == 1 ? "was" : "were", search.found.size() == 1 ? "it" : "them",
                      gap.holdout_before_N, gap.holdout_after_N);
@@ -317,11 +343,13 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   findings.gates = verdict_gates(findings);
   std::tie(findings.verdict, findings.code) = decide(findings, findings.gates);
   findings.explanation = sentences(findings);
-  if (findings.code != within_repeat) {  // there the noise does not matter
+  const auto acquits = {within_repeat, within_tolerance, not_noticed};
+  if (std::ranges::find(acquits, findings.code) == acquits.end()) {  // there the noise does not matter
     warn_of_noise(findings);
     suggest_instrument(findings);
   }
   say_repeat(findings);
+  say_floors(findings);
   if (!search.data_fault) findings.explanation = first_sentence(findings) + findings.explanation;
   say_law(findings);
   say_what_noise_raises(findings);

@@ -31,6 +31,11 @@ struct ForceGap {
   std::optional<double> holdout_after_again_N;  // by a fresh process from the written model; over the whole recording
   std::optional<double> repeat_floor_N;         // what one recording does not repeat (recording_checks/repeat_floor.h)
   double repeat_within_N = 0.0;                 // up to here an error is as large by chance
+  // What is left is held against the user's tolerance, too, and what a fingertip would notice of it is said.
+  std::optional<double> tolerance_N;
+  // RMS over the held-out samples of the error in just noticeable differences of the measured force.
+  std::optional<double> left_jnd;
+  bool unnoticed_passes = false;  // an error below one of them is good enough: the user said so
 
   void apply_repeat_floor(double floor_N, double within_N) noexcept {
     repeat_floor_N = floor_N, repeat_within_N = within_N;

@@ -22,6 +22,8 @@ nlohmann::ordered_json gap_json(const Findings& findings) {
                                         {"after", number(findings.gap.means->after_N)}};
   }
   if (findings.gap.repeat_floor_N) gap["repeat_floor"] = number(*findings.gap.repeat_floor_N);
+  if (findings.gap.tolerance_N) gap["tolerance"] = number(*findings.gap.tolerance_N);
+  if (findings.gap.left_jnd) gap["left_jnd"] = number(*findings.gap.left_jnd);
   if (findings.gap.holdout_after_again_N) {
     gap["fresh_process_after"] = number(*findings.gap.holdout_after_again_N);
   }

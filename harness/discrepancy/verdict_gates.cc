@@ -10,6 +10,8 @@ namespace touchstone::discrepancy {
 namespace {
 
 constexpr std::string_view repeats = "repeat-exceeded";
+constexpr std::string_view tolerance = "tolerance-exceeded";
+constexpr std::string_view noticed = "noticed";
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 VerdictGate data_gate(const SearchResult& search) {
@@ -94,12 +96,38 @@ VerdictGate value_gate(const SearchResult& search) {
           search.found.empty() || search.questions.empty()};
 }
 
-// Empty where there is no repeat to hold it against.
-std::vector<VerdictGate> repeat_gate(const ForceGap& gap) {
-  if (!gap.repeat_floor_N) return {};
-  const double limit_N = std::max(*gap.repeat_floor_N, gap.repeat_within_N);
-  return {{repeats, "held-out error [N]", gap.holdout_after_N, limit_N,
-           "what one recording of the same motion does not repeat", !(gap.holdout_after_N > limit_N)}};
+// Those that there are.
+std::vector<VerdictGate> floors(const ForceGap& gap) {
+  std::vector<VerdictGate> out;
+  const auto add = [&](std::string_view code, std::string statistic, double value, double limit, std::string from) {
+    out.push_back({code, std::move(statistic), value, limit, std::move(from), value <= limit});
+  };
+  if (gap.repeat_floor_N)
+    add(repeats, "held-out error [N]", gap.holdout_after_N, std::max(*gap.repeat_floor_N, gap.repeat_within_N),
+        "what one recording of the same motion does not repeat");
+  if (gap.tolerance_N)
+    add(tolerance, "held-out error [N]", gap.holdout_after_N, *gap.tolerance_N, "the user's tolerance");
+  if (gap.left_jnd)
+    add(noticed, "held-out error, RMS, in just noticeable differences of the measured force", *gap.left_jnd, 1.0,
+        "a fingertip: 0.06 N, 20 % up to 2.5 N, 7 % above");
+  return out;
+}
+
+bool is_floor(const VerdictGate& gate) {
+  return gate.code == repeats || gate.code == tolerance || gate.code == noticed;
+}
+
+// The floor within which what the first gate accuses does not matter; "" if there is none.
+std::string_view acquitted_by(const Findings& findings, const std::vector<VerdictGate>& gates) {
+  const auto passes = [&](std::string_view code) {
+    return std::ranges::any_of(gates, [&](const VerdictGate& g) { return g.code == code && g.passed; });
+  };
+  if (!passes("data-fault")) return "";
+  if (passes(tolerance)) return within_tolerance;
+  if (findings.gap.unnoticed_passes && passes(noticed)) return not_noticed;
+  // A line stands out of the noise of every recording, and a value is no easier to believe.
+  if (passes(repeats) && passes("line-left") && findings.search.questions.empty()) return within_repeat;
+  return "";
 }
 
 }  // namespace
@@ -109,26 +137,21 @@ std::vector<VerdictGate> verdict_gates(const Findings& findings) {
   std::vector<VerdictGate> gates{data_gate(search),        line_gate(search.spectrum), noise_gate(findings),
                                  structure_gate(search),   fast_gate(findings),        law_gate(search),
                                  ambiguity_gate(findings), rise_gate(findings),        value_gate(search)};
-  for (VerdictGate& gate : repeat_gate(findings.gap)) gates.push_back(std::move(gate));
+  for (VerdictGate& gate : floors(findings.gap)) gates.push_back(std::move(gate));
   return gates;
 }
 
 std::pair<FindingsVerdict, std::string_view> decide(const Findings& findings, const std::vector<VerdictGate>& gates) {
   const bool found = !findings.search.found.empty();
-  const auto failed = std::ranges::find_if(gates, [](const VerdictGate& g) { return !g.passed && g.code != repeats; });
+  const auto failed = std::ranges::find_if(gates, [](const VerdictGate& g) { return !g.passed && !is_floor(g); });
   if (failed == gates.end()) {
     if (found) return {FindingsVerdict::explained, "effects-explain"};
     return {FindingsVerdict::consistent, "nothing-missing"};
   }
   if (failed->code == "indistinguishable") return {FindingsVerdict::not_identifiable, failed->code};
-  // A line stands out of the noise of every recording, and a value is no easier to believe.
-  const auto passes = [&](std::string_view code) {
-    return std::ranges::any_of(gates, [&](const VerdictGate& g) { return g.code == code && g.passed; });
-  };
-  const bool acquitted =
-      passes(repeats) && passes("data-fault") && passes("line-left") && findings.search.questions.empty();
-  if (!acquitted) return {FindingsVerdict::unexplained, failed->code};
-  return {found ? FindingsVerdict::explained : FindingsVerdict::consistent, within_repeat};
+  const std::string_view acquitted = acquitted_by(findings, gates);
+  if (acquitted.empty()) return {FindingsVerdict::unexplained, failed->code};
+  return {found ? FindingsVerdict::explained : FindingsVerdict::consistent, acquitted};
 }
 
 }  // namespace touchstone::discrepancy

@@ -1,9 +1,10 @@
 // Each gate alone decides, under its code, and findings.json says by what number.
 #include "harness/discrepancy/verdict_gates.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -101,6 +102,58 @@ TEST(VerdictGates, EachAloneDecidesUnderItsCode) {
     tried.insert(f.code);
   }
   for (const VerdictGate& gate : verdict_gates(passing())) EXPECT_TRUE(tried.contains(gate.code)) << gate.code;
+}
+
+// What the user calls good enough acquits of all but wrong data and effects that cannot be told apart; what a fingertip
+// does not notice does so only where that was asked for.
+TEST(VerdictGates, AToleranceAcquitsAndNeverAccuses) {
+  const std::set<std::string> stays{"data-fault", "indistinguishable"};
+  for (const Fails& one : failures()) {
+    const auto judged = [&](auto set) {
+      Findings f = passing();
+      one.spoil(f);
+      set(f.gap);
+      conclude(f, {});
+      return f;
+    };
+    const bool may = !stays.contains(one.code);
+    const Findings within = judged([](ForceGap& gap) { gap.tolerance_N = 0.5; });
+    EXPECT_EQ(within.code, may ? "within-tolerance" : one.code);
+    EXPECT_EQ(within.verdict == FindingsVerdict::explained, may) << one.code;
+    EXPECT_EQ(judged([](ForceGap& gap) { gap.tolerance_N = 0.01; }).code, one.code);
+    EXPECT_EQ(judged([](ForceGap& gap) { gap.left_jnd = 0.3; }).code, one.code) << "said, not asked for";
+    const auto asked = [](double jnd) {
+      return [jnd](ForceGap& gap) { gap.left_jnd = jnd, gap.unnoticed_passes = true; };
+    };
+    EXPECT_EQ(judged(asked(0.3)).code, may ? "not-noticed" : one.code);
+    EXPECT_EQ(judged(asked(1.3)).code, one.code);
+    EXPECT_EQ(judged(asked(std::numeric_limits<double>::quiet_NaN())).code, one.code);
+  }
+  Findings beyond = passing();
+  beyond.gap.tolerance_N = 0.01;
+  beyond.gap.left_jnd = 4.0;
+  conclude(beyond, {});
+  EXPECT_EQ(beyond.code, "effects-explain") << "noise leaves no less";
+}
+
+TEST(VerdictGates, WhatIsLeftIsSaidBesideEachFloor) {
+  Findings f = passing();
+  f.search.goodness = 9.0;
+  f.gap.left_jnd = 0.3;
+  conclude(f, {});
+  EXPECT_THAT(f.explanation,
+              ::testing::HasSubstr("What is left is 0.3 of what a fingertip just notices at these forces "
+                                   "(RMS over the samples); if that is good enough, search with "
+                                   "--tolerance noticed."));
+  f = passing();
+  f.search.goodness = 9.0;
+  f.gap.tolerance_N = 0.5;
+  conclude(f, {});
+  EXPECT_THAT(f.explanation, ::testing::HasSubstr("no more is left than the tolerance allows"));
+  EXPECT_THAT(f.explanation, ::testing::HasSubstr("is within the tolerance of 0.5 N"));
+  const auto json = nlohmann::json::parse(findings_to_json(f, ""));
+  EXPECT_EQ(json.at("gap").at("tolerance"), 0.5);
+  EXPECT_EQ(json.at("gates").back().at("code"), "tolerance-exceeded");
 }
 
 // Of two the earlier, and a repeat acquits of what noise alone accuses, and of nothing else.

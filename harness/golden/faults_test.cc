@@ -337,7 +337,7 @@ std::vector<std::string> gates_that_caught(const Comparison& comparison) {
   return caught;
 }
 
-class PlantedFault : public testing::TestWithParam<Fault> {};
+class PlantedFault : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(PlantedFault, IsCaughtByTheGateThatIsStated) {
   const Fault& fault = GetParam();
@@ -348,7 +348,7 @@ TEST_P(PlantedFault, IsCaughtByTheGateThatIsStated) {
   EXPECT_EQ(passes(comparison.verdict), fault.gate == "drift");
 }
 
-INSTANTIATE_TEST_SUITE_P(Golden, PlantedFault, testing::ValuesIn(faults()),
+INSTANTIATE_TEST_SUITE_P(Golden, PlantedFault, ::testing::ValuesIn(faults()),
                          [](const auto& planted) { return planted.param.name; });
 
 // The same path without a fault passes on every case that the faults use: it is the fault that is caught.

@@ -1,6 +1,10 @@
 #include "harness/pipeline/discrepancy/force_gap.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "harness/perception/filters/weber_law.h"
 
 namespace touchstone::pipeline {
 
@@ -24,6 +28,23 @@ MeasuredGap measure_gap(const discrepancy::SearchResult& search, const discrepan
   of_means.means = {held_out.count, gap.holdout_before_N, gap.holdout_after_N};
   if (of_means.rises()) return measured;
   return {of_means, data.holdout};
+}
+
+double left_in_jnd(const discrepancy::Evidence& held_out, const rendering::Prediction& prediction) {
+  constexpr perception::WeberLaw fingertip = perception::kFingertipForce;
+  const std::vector<Vec3>& measured = held_out.recording->f_W_N;
+  const std::vector<double>& t_s = held_out.recording->motion.t_s;
+  double sum = 0.0;
+  std::size_t felt = 0;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    if (!held_out.part.contains(t_s[i], t_s.front())) continue;
+    if (std::max(measured[i].norm(), prediction.f_W_N[i].norm()) < fingertip.absolute_threshold) continue;
+    const double in_jnd =
+        (measured[i] - prediction.f_W_N[i]).norm() / fingertip.just_noticeable_difference(measured[i].norm());
+    sum += in_jnd * in_jnd;
+    ++felt;
+  }
+  return felt == 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(sum / static_cast<double>(felt));
 }
 
 }  // namespace touchstone::pipeline

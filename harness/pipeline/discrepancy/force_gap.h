@@ -27,4 +27,9 @@ struct MeasuredGap {
 MeasuredGap measure_gap(const discrepancy::SearchResult& search, const discrepancy::SearchData& data,
                         const HeldOutSamples& held_out);
 
+// What `prediction` leaves of the measured force, RMS over the held-out samples in which a fingertip would feel one of
+// the two, in just noticeable differences of the measured force (perception/filters/weber_law.h). NaN where nothing is
+// felt.
+double left_in_jnd(const discrepancy::Evidence& held_out, const rendering::Prediction& prediction);
+
 }  // namespace touchstone::pipeline

@@ -118,5 +118,27 @@ TEST(ForceGap, WithoutSuchNoiseSingleSamplesAreToldOf) {
   EXPECT_NEAR(measured.gap.noise_floor_N, std::sqrt(0.02 * 0.02 + 3e-4), 1e-12);
 }
 
+// Forces of 1 N are told apart from 1.2 N, of 5 N from 5.35 N (Weber fractions of 20 and 7 %); what is not felt counts
+// for nothing.
+TEST(LeftInJnd, IsTheErrorOverWhatIsNoticedAtThatForce) {
+  Recording held_out;
+  rendering::Prediction prediction;
+  const auto add = [&](double measured_N, const Vec3& error_N, int samples) {
+    for (int i = 0; i < samples; ++i) {
+      held_out.motion.t_s.push_back(0.001 * static_cast<double>(held_out.size()));
+      held_out.motion.p_W_m.emplace_back(Vec3::Zero());
+      held_out.f_W_N.emplace_back(0.0, measured_N, 0.0);
+      prediction.f_W_N.push_back(held_out.f_W_N.back() + error_N);
+    }
+  };
+  const discrepancy::Evidence evidence{&held_out, nullptr, nullptr, {}};
+  add(0.0, Vec3(0.0, 0.0, 0.01), 100);
+  EXPECT_TRUE(std::isnan(left_in_jnd(evidence, prediction))) << "nothing is felt";
+  add(1.0, Vec3(0.06, 0.0, 0.08), 50);
+  EXPECT_NEAR(left_in_jnd(evidence, prediction), 0.5, 1e-12);
+  add(5.0, Vec3(0.0, 0.35, 0.0), 50);
+  EXPECT_NEAR(left_in_jnd(evidence, prediction), std::sqrt((0.25 + 1.0) / 2.0), 1e-12);
+}
+
 }  // namespace
 }  // namespace touchstone::pipeline

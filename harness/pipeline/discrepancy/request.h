@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct DiscrepancyFiles {
   std::filesystem::path holdout;               // empty: alternating blocks of `recording` are kept back
   double block_s = 2.0;                        // of the blocks kept back; a short recording has shorter ones
   std::filesystem::path repeat;                // the motion of `recording` recorded again; empty: none
+  std::optional<double> tolerance_N;           // a held-out error that is good enough
+  bool unnoticed_passes = false;               // one that a fingertip does not notice is good enough
   std::filesystem::path instrument;            // empty: the noise is estimated
   std::vector<std::filesystem::path> effects;  // files of effects that are searched beside the catalogue's
   // Measured positions enter a compliant object as they stand; on a rigid one the in-trajectory is made from the

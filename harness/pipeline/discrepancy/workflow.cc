@@ -294,9 +294,12 @@ DiscrepancyAnswer run_discrepancy(const Catalogue& catalogue, const DiscrepancyF
   const MeasuredGap measured = measure_gap(findings.search, data, {samples, count, beyond_means_N2});
   findings.gap = measured.gap;
   if (floor) findings.gap.apply_repeat_floor(floor->force_N, floor->within_N);
+  findings.gap.tolerance_N = files.tolerance_N;
+  findings.gap.unnoticed_passes = files.unnoticed_passes;
   findings.shares = merge_inseparable(share_gap(measured.on, findings.search.start, findings.search.model));
   const Prediction before = measured.on.predictor->predict(model);
   const Prediction after = measured.on.predictor->predict(findings.search.model);
+  findings.gap.left_jnd = left_in_jnd(measured.on, after);
   findings.where = sort_by_regime(measured.on, before, after, data.force_floor_N);
   findings.next = next_experiment(findings.search, data, make, instrument);
   findings.instrument_declared = instrument.declared;
