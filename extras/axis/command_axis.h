@@ -1,4 +1,4 @@
-// The command `touchstone axis`.
+// The command `touchstone axis`, for its program and for the Python module.
 #pragma once
 
 #include "apps/command.h"

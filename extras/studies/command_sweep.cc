@@ -19,9 +19,9 @@ struct SweepOptions {
 };
 
 ExitStatus sweep_command(const SweepOptions& options) {
-  const SweepDesign design(options.specification);
-  SweepWorld world({renderers::built_in_catalogue(), synthetic::built_in_generators()}, design);
-  const ToolSweep tools{renderers::tool_renderer_catalogue(), synthetic::known_contacts};
+  const sweep::SweepDesign design(options.specification);
+  sweep::SweepWorld world({renderers::built_in_catalogue(), synthetic::built_in_generators()}, design);
+  const sweep::ToolSweep tools{renderers::tool_renderer_catalogue(), synthetic::known_contacts};
   runs::CaseCommand command;
   command.job = design.of_tools() ? tool_sweep_job(design, tools) : sweep_job(design, world);
   command.table = design.of_tools() ? tool_sweep_table(design) : sweep_table(design);

@@ -14,7 +14,7 @@
 #include "harness/rendering/model.h"
 #include "sweep/tool_sweep.h"
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 namespace {
 
 using nlohmann::json;
@@ -330,4 +330,4 @@ SweepCase SweepDesign::at(std::uint64_t number) const {
   return one;
 }
 
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep

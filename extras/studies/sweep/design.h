@@ -32,7 +32,7 @@
 #include <string>
 #include <vector>
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 
 struct SweepCase {
   std::uint64_t number = 0;
@@ -75,4 +75,4 @@ class SweepDesign {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep

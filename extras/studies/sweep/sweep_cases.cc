@@ -1,6 +1,6 @@
 #include "sweep/sweep_cases.h"
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 using runs::CaseRow;
 
 runs::CaseTable sweep_table(const SweepDesign& design) {
@@ -51,4 +51,4 @@ CaseRow sweep_row(const SweepOutcome& outcome) {
   return row;
 }
 
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep

@@ -4,11 +4,11 @@
 #include "harness/runs/case_engine.h"
 #include "sweep/world.h"
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 
 runs::CaseTable sweep_table(const SweepDesign& design);
 // Both must live as long as the job.
 runs::CaseJob sweep_job(const SweepDesign& design, SweepWorld& world);
 runs::CaseRow sweep_row(const SweepOutcome& outcome);
 
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep

@@ -18,7 +18,7 @@
 #include "sweep/sweep_cases.h"
 #include "synthetic/generators.h"
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 using runs::CaseStore;
 using runs::CaseTally;
 
@@ -302,4 +302,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& bad) { return std::string(bad.param.name); });
 
 }  // namespace
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep

@@ -6,7 +6,7 @@
 
 #include "harness/base/json_reader.h"
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 namespace {
 
 tool::ToolErrors run(const SweepCase& one, const ToolSweep& sweep) {
@@ -81,4 +81,4 @@ runs::CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep) 
   return job;
 }
 
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep

@@ -13,7 +13,7 @@
 #include "harness/tool/tool_renderer_entry.h"
 #include "sweep/design.h"
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 
 // A contact and a renderer of a specification. Throw BadData for a key that nothing reads.
 struct SweptContact {
@@ -37,4 +37,4 @@ runs::CaseTable tool_sweep_table(const SweepDesign& design);
 // Both must live as long as the job. A case that cannot be run is a row with its error.
 runs::CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep);
 
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep

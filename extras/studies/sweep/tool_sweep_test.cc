@@ -15,7 +15,7 @@
 #include "renderers/tool/tool_catalogue.h"
 #include "synthetic/tool/known_contacts.h"
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 using runs::CaseRow;
 
 namespace {
@@ -124,4 +124,4 @@ TEST_F(SweepOfTools, WhatIsNoPartOfACaseIsRefused) {
 }
 
 }  // namespace
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep

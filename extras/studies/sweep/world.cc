@@ -14,7 +14,7 @@
 #include "harness/runs/shared_cache.h"
 #include "harness/surface/embree_surface.h"
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 using recording::InTrajectory;
 
 namespace {
@@ -113,4 +113,4 @@ SweepOutcome SweepWorld::run(std::uint64_t number) {
   return outcome;
 }
 
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep

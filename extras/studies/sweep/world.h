@@ -11,7 +11,7 @@
 #include "harness/golden/golden_summary.h"
 #include "sweep/design.h"
 
-namespace touchstone::studies {
+namespace touchstone::sweep {
 
 struct SweepOutcome {
   SweepCase one;
@@ -38,4 +38,4 @@ class SweepWorld {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace touchstone::studies
+}  // namespace touchstone::sweep
