@@ -127,7 +127,8 @@ class FailedRun : public testing::BuiltProgram {
 TEST_F(FailedRun, EveryCommandWithOutIsInTheTable) {
   std::set<std::string> found;
   commands_with_out("", found);
-  for (const char* const extra : {"atlas", "blind", "experiment", "import", "leaderboard", "tool-atlas"})
+  for (const char* const extra :
+       {"atlas", "axis", "blind", "experiment", "import", "leaderboard", "sweep", "tool-atlas"})
     commands_with_out(extra, found);
   EXPECT_GT(found.size(), 40U);
   for (const std::string& words : found) EXPECT_TRUE(failing_commands().contains(words)) << words;
