@@ -14,6 +14,7 @@
 #include "harness/base/atomic_file.h"
 #include "hil/drivers/comedi_daq.h"
 #include "hil/drivers/vendor_devices.h"
+#include "hil/emulators/ati_calibration_for_test.h"
 
 namespace touchstone::hil {
 namespace {
@@ -35,19 +36,7 @@ class ComediStub : public ::testing::Test {
  protected:
   void SetUp() override {
     file_ = std::filesystem::temp_directory_path() / fmt::format("touchstone-comedi-{}.cal", ::getpid());
-    std::string xml =
-        "<FTSensor Serial=\"FT9\" BodyStyle=\"Nano17\" Family=\"DAQ\" NumGages=\"6\" "
-        "CalFileVersion=\"1.0\"><Calibration PartNumber=\"SI-12-0.12\" CalDate=\"2/3/2020\" "
-        "ForceUnits=\"N\" TorqueUnits=\"N-mm\" DistUnits=\"mm\" OutputRange=\"20\" OutputBipolar=\"True\">";
-    const char* const names[] = {"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
-    for (int i = 0; i < 6; ++i) {
-      xml += fmt::format("<Axis Name=\"{}\" scale=\"1\" max=\"17\" values=\"", names[i]);
-      for (int j = 0; j < 6; ++j) xml += i == j ? " 2" : " 0";
-      xml += "\"/>";
-    }
-    write_file(
-        file_,
-        xml + "<BasicTransform Dx=\"0\" Dy=\"0\" Dz=\"0\" Rx=\"0\" Ry=\"0\" Rz=\"0\"/></Calibration></FTSensor>");
+    write_file(file_, ati_calibration_for_test());
     options_.library = TOUCHSTONE_STUB_COMEDI;
     options_.calibration_file = file_;
     options_.emulated = true;

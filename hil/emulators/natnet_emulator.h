@@ -48,9 +48,10 @@ struct NatNetFaults {
   std::uint32_t repeat_every = 0;  // every n-th is sent twice
   std::uint32_t short_every = 0;   // every n-th is cut in half
   std::uint32_t silent_after = 0;
-  std::uint32_t begins_at = 1;     // the first frame's number
-  std::uint32_t begins_again = 0;  // after this many frames the numbers begin at 1
-  bool second_card = false;        // frames come from 127.0.0.2, answers from 127.0.0.1
+  std::uint32_t begins_at = 1;           // the first frame's number
+  std::uint32_t begins_again = 0;        // after this many frames the numbers begin at 1
+  double step_at_s = 0.0, step_s = 0.0;  // from then on its clock is so much on
+  bool second_card = false;              // frames come from 127.0.0.2, answers from 127.0.0.1
 };
 
 class NatNetEmulator {
@@ -68,6 +69,7 @@ class NatNetEmulator {
   [[nodiscard]] double began_s() const noexcept { return began_s_; }
 
   static constexpr double ticks_per_s = 3312787.0;  // as captured
+  static constexpr double epoch_s = 1e5;            // its own clock's time at began_s(): since its computer was started
   static constexpr double latency_s = 0.0055;       // from exposure to sending, as captured
 
  private:
