@@ -265,21 +265,24 @@ double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals) 
 }
 
 // How far off the ball's centre the torque acts, in the sensor's frame, by clusters of half a second; empty without a
-// torque.
+// torque. The tool's inertia acts at its centre of mass, d from the ball: its torque d x (-m a) is a column too.
 std::optional<Vec3> lever_error(const ContactSamples& c, const std::vector<Vec3>& normals, double tip_radius_m) {
   if (std::ranges::all_of(c.torque_W_Nm, [](const Vec3& torque) { return torque.isZero(0.0); })) return std::nullopt;
+  constexpr Eigen::Index unknowns = 9;  // of the lever, the torque's bias, and m d
+  const auto acceleration = accelerations(c);
   std::vector<stats::NormalEquations> clusters;
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
     if (c.t_s[i] > until) {
-      clusters.push_back({Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd::Zero(6)});
+      clusters.push_back({Eigen::MatrixXd::Zero(unknowns, unknowns), Eigen::VectorXd::Zero(unknowns)});
       until = c.t_s[i] + air_block_s;
     }
     const Vec3 left = c.torque_W_Nm[i] + tip_radius_m * normals[i].cross(c.force_W_N[i]);
-    Eigen::MatrixXd rows(3, 6);
-    rows << cross_matrix(c.q_WS[i].conjugate() * c.force_W_N[i]), Mat3::Identity();
+    const Quat q_SW = c.q_WS[i].conjugate();
+    Eigen::MatrixXd rows(3, unknowns);
+    rows << cross_matrix(q_SW * c.force_W_N[i]), Mat3::Identity(), cross_matrix(q_SW * acceleration[i]);
     clusters.back().normal += rows.transpose() * rows;
-    clusters.back().right += rows.transpose() * (c.q_WS[i].conjugate() * left);
+    clusters.back().right += rows.transpose() * (q_SW * left);
   }
   return clear_vector(clusters, 0);
 }
