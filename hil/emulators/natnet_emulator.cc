@@ -176,7 +176,7 @@ void NatNetEmulator::serve() {
     const double own = now * (1.0 + 1e-6 * faults_.clock_ppm) + 0.5e-6 * faults_.drift_ppm_per_s * now * now;
     while (static_cast<double>(count + 1) / rate_Hz_ + latency_s <= own) {
       ++count;
-      if (client_.empty() || (faults_.silent_after != 0 && sent_ >= faults_.silent_after)) continue;
+      if (client_.empty() || silent_ || (faults_.silent_after != 0 && sent_ >= faults_.silent_after)) continue;
       const double t = static_cast<double>(count) / rate_Hz_;
       const EmulatedPose pose = pose_(t);
       EmulatedFrame frame;

@@ -65,6 +65,8 @@ class NatNetEmulator {
 
   [[nodiscard]] int command_port() const noexcept { return port_; }
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
+  // From now on it sends nothing.
+  void fall_silent() noexcept { silent_ = true; }
   // This machine's time at which the emulator's own time was zero.
   [[nodiscard]] double began_s() const noexcept { return began_s_; }
 
@@ -83,7 +85,7 @@ class NatNetEmulator {
   bool sized_;
   int socket_ = -1, second_socket_ = -1, port_ = 0;
   std::string client_;  // its address, as bytes
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, silent_{false};
   std::atomic<std::uint64_t> sent_{0};
   std::atomic<double> began_s_{0.0};
   std::thread thread_;
