@@ -107,6 +107,7 @@ ExitStatus live_render(const LiveRenderOptions& options) {
   hil::LiveOptions loop;
   loop.seconds = options.seconds;
   loop.rate_Hz = options.rate_Hz;
+  loop.tell = [](const std::string& text) { fmt::print(stderr, "--> {}\n", text); };
   hil::LiveRun run = hil::run_renderer(
       device, loop, dead_man.get(), [&] { return stop.asked(); }, *renderer);
   // Whoever stopped the run may not know yet that the force stayed on: a signal after that counts.

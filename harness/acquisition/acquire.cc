@@ -377,14 +377,14 @@ RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const surf
       weighed_correction(surface, by_contacts, d.tip_radius_m, *report.contacts, *report.markers);
   report.object_move = object_move(surface, contacts_at(d, merged, motion, index, correction * object), d.tip_radius_m,
                                    motion.noise_m, correction, *report.markers);
-  refuse(d, check_contacts(surface, by_contacts, d.tip_radius_m, motion.noise_m, *report.contacts, *report.markers,
-                           *report.object_move));
+  refuse(d, check_contacts(surface, by_contacts, d.tip_radius_m, motion.noise_m, d.contact_force_N, *report.contacts,
+                           *report.markers, *report.object_move));
   if (report.object_move->unnoticed_m > 2e-3)
     report.notes.push_back(fmt::format(
         "the object may have moved by {} along the touched surface without that the contacts show it: measure the "
         "markers again at the end, and compare",
-        std::isfinite(report.object_move->unnoticed_m) ? fmt::format("{:.2g} mm", 1e3 * report.object_move->unnoticed_m)
-                                                       : "any way"));
+        report.object_move->unnoticed_m < 0.1 ? fmt::format("{:.2g} mm", 1e3 * report.object_move->unnoticed_m)
+                                              : "any way"));
   return correction * object;
 }
 

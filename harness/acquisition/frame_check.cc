@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "harness/base/error.h"
 #include "harness/base/signed_order.h"
+#include "harness/stats/distributions.h"
 
 namespace touchstone::acquisition {
 namespace {
@@ -64,6 +66,49 @@ void name_axes(const std::vector<StaticPose>& poses, const Vec3& gravity_W, Fram
   }
 }
 
+// The signed order of the torque's axes that explains the poses where the file's does not. With deviations from the
+// means T = -[g]x (m c): a system with the same matrix sum [g]x' [g]x for every order.
+void name_torque_axes(const std::vector<StaticPose>& poses, const Vec3& gravity_W, FrameCheck& check) {
+  // Of the 23 other pairs of orders.
+  constexpr double by_chance = 1e-4 / 23.0, clearly = 2.0;
+  const auto n = static_cast<double>(poses.size());
+  Vec3 mean_g = Vec3::Zero(), mean_T = Vec3::Zero();
+  for (const StaticPose& pose : poses) {
+    mean_g += pose.q_WS.conjugate() * gravity_W / n;
+    mean_T += pose.measured.torque_Nm / n;
+  }
+  Mat3 normal = Mat3::Zero(), products = Mat3::Zero();  // products: of the torque's and gravity's deviations
+  double TT = 0.0;
+  for (const StaticPose& pose : poses) {
+    const Vec3 g = pose.q_WS.conjugate() * gravity_W - mean_g, torque = pose.measured.torque_Nm - mean_T;
+    normal += g.squaredNorm() * Mat3::Identity() - g * g.transpose();
+    products += torque * g.transpose();
+    TT += torque.squaredNorm();
+  }
+  const auto left2_with = [&](const SignedOrder& order) {
+    // sum T x g by the products of their components.
+    Mat3 ordered;
+    for (int k = 0; k < 3; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      ordered.row(k) = order.sign.at(at) * products.row(order.from.at(at));
+    }
+    const Vec3 moment(ordered(2, 1) - ordered(1, 2), ordered(0, 2) - ordered(2, 0), ordered(1, 0) - ordered(0, 1));
+    return TT - moment.dot(normal.ldlt().solve(moment));
+  };
+  const double as_read2 = left2_with({}), freedom = 3.0 * n - 6.0;
+  double best2 = as_read2 / (clearly * clearly);
+  if (!(freedom >= 1.0)) return;
+  for (const SignedOrder& order : signed_orders()) {
+    const double left2 = std::max(0.0, left2_with(order));
+    const bool by_more_than_chance = !(left2 > 0.0) || stats::f_tail(as_read2 / left2, freedom, freedom) < by_chance;
+    // The plainest first: of equals it stays.
+    if (!(left2 < 0.8 * best2) || !by_more_than_chance) continue;
+    best2 = left2;
+    check.torque_axes = order.meaning('t');
+    check.torque_left_Nm = std::sqrt(left2 / (3.0 * n));
+  }
+}
+
 }  // namespace
 
 std::string PoseReading::flags() const {
@@ -111,7 +156,11 @@ FrameCheck check_frames(const std::vector<StaticPose>& poses, const PoseReading&
   check.share_left = share_of_weight_left(as_read, gravity_W_m_per_s2);
   const bool heavier_than_nothing = as_read.load.mass_kg > 0.0;
   check.bad_fit = !(heavier_than_nothing && check.share_left <= most_weight_left);
-  if (!check.bad_fit) return check;
+  if (!check.bad_fit) {
+    name_torque_axes(read_as(poses, reading), gravity_W_m_per_s2, check);
+    check.bad_fit = !check.torque_axes.empty();
+    return check;
+  }
   // What was read is no bar: a force that does not turn with the tool fits a bias, with hardly a mass beside it.
   double best_N = std::numeric_limits<double>::infinity();
   for (const PoseReading& other : readings()) {
@@ -134,6 +183,12 @@ FrameCheck check_frames(const std::vector<StaticPose>& poses, const PoseReading&
 
 std::string FrameCheck::message(const ToolIdentification& as_read, const std::string& source) const {
   if (!bad_fit) return {};
+  if (!torque_axes.empty()) {
+    return fmt::format(
+        "{}: the torques fit no tool: {:.3g} N m are left per component, and {:.2g} if {} (or all others have): "
+        "correct these columns in the file",
+        source, as_read.fit.torque_component_Nm, torque_left_Nm, torque_axes);
+  }
   std::string text = fmt::format(
       "{}: bad fit: the best tool ({:.3g} kg) leaves {:.3g} N per component, {:.0f} % of its weight, where a usable "
       "set of "

@@ -47,6 +47,11 @@ struct FrameCheck {
   // the force per component that is left so; empty where none of the 48 signed orders fits.
   std::string axes;
   double axes_mass_kg = 0.0, axes_left_N = 0.0;
+  // Where the forces fit: mirrored or exchanged axes of the torque that leave less than half of what the file's leave,
+  // by more than chance ("tz has the other sign"), and what is left per component; empty otherwise. An order and its
+  // reverse fit alike, with the centre of mass on the other side.
+  std::string torque_axes;
+  double torque_left_Nm = 0.0;
 
   // Empty, or what a user must know, with the flags of the repair.
   [[nodiscard]] std::string message(const ToolIdentification& as_read, const std::string& source) const;

@@ -110,6 +110,46 @@ TEST(FrameCheck, NamesAxesThatAreMirroredOrExchanged) {
   }
 }
 
+// Forces alone say nothing of the torque's columns: a wrong one gives a tool of the right mass with its centre
+// elsewhere.
+TEST(FrameCheck, NamesTheTorquesAxesAndItsReverseAsOne) {
+  Random random(20260104);
+  for (const SignedOrder& order : signed_orders()) {
+    auto poses = made_poses(0.4, 0.002, 24, random);
+    for (StaticPose& pose : poses) {
+      Vec3 right = pose.measured.torque_Nm;
+      for (int k = 0; k < 3; ++k) right[k] += 5e-5 * random.normal();
+      for (int k = 0; k < 3; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        pose.measured.torque_Nm[order.from[at]] = order.sign[at] * right[k];
+      }
+    }
+    const auto as_read = identify_tool(poses, standard_gravity, "poses.csv");
+    const auto check = check_frames(poses, {}, as_read, standard_gravity, "poses.csv");
+    if (order.as_it_stands() || order.reversed()) {
+      EXPECT_FALSE(check.bad_fit);
+      continue;
+    }
+    const SignedOrder reverse{order.from, {-order.sign[0], -order.sign[1], -order.sign[2]}};
+    ASSERT_TRUE(check.bad_fit) << order.meaning('t');
+    EXPECT_THAT(check.torque_axes, ::testing::AnyOf(order.meaning('t'), reverse.meaning('t')));
+    EXPECT_NEAR(check.torque_left_Nm, 5e-5, 2e-5);
+    EXPECT_THAT(check.message(as_read, "poses.csv"), HasSubstr("if " + check.torque_axes));
+  }
+}
+
+// A tool whose centre of mass is at the sensor's origin has torques of noise alone, which no order explains better.
+TEST(FrameCheck, TorquesOfNoiseAccuseNoAxis) {
+  Random random(20260105);
+  for (int trial = 0; trial < 500; ++trial) {
+    auto poses = made_poses(0.4, 0.002, 6 + trial % 20, random);
+    for (StaticPose& pose : poses)
+      pose.measured.torque_Nm = 1e-3 * Vec3(random.normal(), random.normal(), random.normal());
+    const auto as_read = identify_tool(poses, standard_gravity, "poses.csv");
+    EXPECT_EQ(check_frames(poses, {}, as_read, standard_gravity, "poses.csv").torque_axes, "");
+  }
+}
+
 TEST(FrameCheck, PosesThatNothingExplainsAreABadFitWithoutRepair) {
   Random random(7);
   auto poses = made_poses(1.0, 0.01, 40, random);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double most_m_per_s2 = 25.0;   // of a hand, as the header derives it
 constexpr double clear_of_noise = 12.0;  // what stands out has sqrt(5) of it in each component; of 1e5 the largest 11.6
-constexpr double stands_out = 2.5;       // times the third largest of the six steps around
+constexpr double stands_out = 2.5;       // times the second largest of the six steps around
 constexpr double longest_swap_s = 0.5;
 constexpr double clear_of_hold = 6.0;  // times the noise: what a pose that was held may be off without harm
 constexpr double median_of_chi3 = 1.538;
@@ -48,7 +48,7 @@ double jump_at(const std::vector<double>& t, const std::vector<Vec3>& p, std::si
   }
   std::ranges::sort(around, std::greater<>());
   const double step = (p[k + 1] - p[k]).norm();
-  if (!(step > stands_out * around[2])) return 0.0;
+  if (!(step > stands_out * around[1])) return 0.0;
   return (p[k + 1] - p[k] - 0.5 * (p[k] - p[k - 1] + p[k + 2] - p[k + 1])).norm();
 }
 

@@ -3,12 +3,37 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "harness/base/error.h"
+#include "harness/stats/distributions.h"
 
 namespace touchstone::acquisition {
+
+namespace {
+
+// Lengths that differ by a factor between tracker and object: one more parameter, which takes (s - 1)^2 sum |from|^2
+// from the sum of squares (Umeyama 1991, equation 42), by Fisher's F with 1 and 3 n - 7 degrees of freedom.
+void refuse_scale(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, double left2, const std::string& source) {
+  constexpr double one_in_ten_thousand = 1e-4, most_m = 0.5e-3, most_factor = 0.1;
+  const double size2 = from.squaredNorm(), n = static_cast<double>(from.cols());
+  const double longer = size2 / from.cwiseProduct(to).sum() - 1.0;
+  const double taken2 = std::min(left2, longer * longer * size2), freedom = 3.0 * n - 7.0;
+  const double off_m = std::abs(longer) * std::sqrt(size2 / n);
+  // Other markers, or mirrored ones, fit with no factor: their residual says so.
+  if (!(off_m > most_m) || std::abs(longer) > most_factor) return;
+  const double f = taken2 / ((left2 - taken2) / freedom);
+  if (std::isfinite(f) && !(stats::f_tail(f, 1.0, freedom) < one_in_ten_thousand)) return;
+  throw BadData(fmt::format(
+      "{}: by the tracker the markers are {:.2g} % farther from each other than on the object ({:.2g} mm; without it "
+      "they "
+      "fit to {:.2g} mm instead of {:.2g} mm RMS): calibrate the tracker, or scan the object again",
+      source, 100.0 * longer, 1e3 * off_m, 1e3 * std::sqrt((left2 - taken2) / n), 1e3 * std::sqrt(left2 / n)));
+}
+
+}  // namespace
 
 MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const std::vector<Vec3>& object_m,
                                     const std::string& source) {
@@ -62,6 +87,7 @@ MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const st
     sum += result.residual_m.back() * result.residual_m.back();
   }
   result.residual_rms_m = std::sqrt(sum / static_cast<double>(n));
+  refuse_scale(from_centred, result.tracker_to_object.q.toRotationMatrix().transpose() * centred, sum, source);
   return result;
 }
 

@@ -40,7 +40,8 @@ struct MarkerRegistration {
   [[nodiscard]] double expected_error_m(const Vec3& p_object_m) const;
 };
 
-// Throws BadData for fewer than three markers, for markers on one line, and for lists of different length.
+// Throws BadData for fewer than three markers, for markers on one line, for lists of different length, and where the
+// tracker's lengths differ from the object's by a factor that is clear and worth more than half a millimetre.
 MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const std::vector<Vec3>& object_m,
                                     const std::string& source);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -196,22 +197,92 @@ std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<V
   return clear_vector(clusters, 1);
 }
 
+// Accelerations over a tenth of a second, of velocities of one contact after the other; zero where there is a gap.
+std::vector<Vec3> accelerations(const ContactSamples& c) {
+  constexpr double over_s = 0.1;
+  std::vector<Vec3> all(c.t_s.size(), Vec3::Zero());
+  for (std::size_t i = 0, first = 0, last = 0; i < all.size(); ++i) {
+    while (c.t_s[i] - c.t_s[first] > 0.5 * over_s) ++first;
+    while (last + 1 < all.size() && c.t_s[last + 1] - c.t_s[i] <= 0.5 * over_s) ++last;
+    const double span = c.t_s[last] - c.t_s[first];
+    if (span > 0.5 * over_s) all[i] = (c.velocity_W_m_per_s[last] - c.velocity_W_m_per_s[first]) / span;
+  }
+  return all;
+}
+
+// A force along the surface that is neither friction nor inertia: constant, or drawn to a place as by a cable, root
+// mean square [N] in the directions of these four that are clear, by clusters of half a second.
+double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals) {
+  const auto n = static_cast<double>(c.t_s.size());
+  Vec3 middle = Vec3::Zero();
+  double spread2 = 0.0, used = 0.0;
+  for (const Vec3& p : c.center_W_m) middle += p / n;
+  for (const Vec3& p : c.center_W_m) spread2 += (p - middle).squaredNorm() / n;
+  const auto acceleration = accelerations(c);
+  // What does not show, as a constant along the normal of a level surface, is held at nothing.
+  constexpr Eigen::Index others = 2, pulls = 4;
+  constexpr double held = 1e-6;
+  std::vector<stats::NormalEquations> clusters;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(others + pulls, others + pulls);
+  double until = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < c.t_s.size(); ++i) {
+    const Mat3 along = Mat3::Identity() - normals[i] * normals[i].transpose();
+    const Vec3 slip = along * c.velocity_W_m_per_s[i];
+    const double load = normals[i].dot(c.force_W_N[i]);
+    if (!(slip.norm() > sliding_m_per_s) || !(load > 0.0)) continue;
+    if (c.t_s[i] > until) {
+      clusters.push_back({Eigen::MatrixXd::Zero(all.rows(), all.rows()), Eigen::VectorXd::Zero(all.rows())});
+      clusters.back().normal.diagonal().tail<pulls>().setConstant(held);
+      until = c.t_s[i] + air_block_s;
+    }
+    Eigen::MatrixXd rows(3, all.rows());
+    rows.col(0) = -load * slip.normalized();
+    rows.col(1) = -along * acceleration[i];
+    rows.col(2) = along * (c.center_W_m[i] - middle) / std::sqrt(spread2);
+    rows.rightCols<3>() = along;
+    clusters.back().normal += rows.transpose() * rows;
+    clusters.back().right += rows.transpose() * (along * c.force_W_N[i]);
+    all += rows.transpose() * rows;
+    used += 1.0;
+  }
+  if (clusters.size() < 8 || !(spread2 > 0.0)) return 0.0;
+  const stats::ClusteredFit fit(clusters);
+  if (!fit.determined()) return 0.0;
+  // The squares that each direction of the four explains, friction and inertia aside.
+  const Eigen::MatrixXd own = all.bottomRightCorner<pulls, pulls>() -
+                              all.bottomLeftCorner<pulls, others>() *
+                                  all.topLeftCorner<others, others>().ldlt().solve(all.topRightCorner<others, pulls>());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(own);
+  double pull2 = 0.0;
+  for (Eigen::Index k = 0; k < pulls; ++k) {
+    Eigen::VectorXd contrast = Eigen::VectorXd::Zero(all.rows());
+    contrast.tail<pulls>() = directions.eigenvectors().col(k);
+    const double value = contrast.dot(fit.estimate());
+    if (std::abs(value) > clear_sigmas * fit.error_of(contrast).sigma)
+      pull2 += value * value * directions.eigenvalues()[k] / used;
+  }
+  return std::sqrt(pull2);
+}
+
 // How far off the ball's centre the torque acts, in the sensor's frame, by clusters of half a second; empty without a
-// torque.
+// torque. The tool's inertia acts at its centre of mass, d from the ball: its torque d x (-m a) is a column too.
 std::optional<Vec3> lever_error(const ContactSamples& c, const std::vector<Vec3>& normals, double tip_radius_m) {
   if (std::ranges::all_of(c.torque_W_Nm, [](const Vec3& torque) { return torque.isZero(0.0); })) return std::nullopt;
+  constexpr Eigen::Index unknowns = 9;  // of the lever, the torque's bias, and m d
+  const auto acceleration = accelerations(c);
   std::vector<stats::NormalEquations> clusters;
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
     if (c.t_s[i] > until) {
-      clusters.push_back({Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd::Zero(6)});
+      clusters.push_back({Eigen::MatrixXd::Zero(unknowns, unknowns), Eigen::VectorXd::Zero(unknowns)});
       until = c.t_s[i] + air_block_s;
     }
     const Vec3 left = c.torque_W_Nm[i] + tip_radius_m * normals[i].cross(c.force_W_N[i]);
-    Eigen::MatrixXd rows(3, 6);
-    rows << cross_matrix(c.q_WS[i].conjugate() * c.force_W_N[i]), Mat3::Identity();
+    const Quat q_SW = c.q_WS[i].conjugate();
+    Eigen::MatrixXd rows(3, unknowns);
+    rows << cross_matrix(q_SW * c.force_W_N[i]), Mat3::Identity(), cross_matrix(q_SW * acceleration[i]);
     clusters.back().normal += rows.transpose() * rows;
-    clusters.back().right += rows.transpose() * (c.q_WS[i].conjugate() * left);
+    clusters.back().right += rows.transpose() * (q_SW * left);
   }
   return clear_vector(clusters, 0);
 }
@@ -249,8 +320,9 @@ RigidTransform weighed_correction(const Surface& surface, const ContactSamples& 
 }
 
 std::vector<std::string> check_contacts(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
-                                        double tracker_noise_m, const ContactRegistration& refinement,
-                                        const MarkerRegistration& markers, const ObjectMove& move) {
+                                        double tracker_noise_m, double contact_force_N,
+                                        const ContactRegistration& refinement, const MarkerRegistration& markers,
+                                        const ObjectMove& move) {
   std::vector<std::string> faults;
   const GapRows rows = gap_rows(surface, contacts, tip_radius_m);
   const auto n = static_cast<double>(rows.gap.size());
@@ -299,6 +371,14 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
         "while the tip slides, the surface's push is turned by {:.2g} rad in the sensor's frame (limit {:.2g}): check "
         "/probe/q_PS, the attitude of the sensor on the probe, and the force's bias",
         turn->norm(), largest_turn_rad));
+  }
+  const double pull = steady_pull_N(contacts, rows.normal), most_pull = 0.125 * contact_force_N;
+  if (pull > most_pull) {
+    faults.push_back(fmt::format(
+        "while the tip slides, {:.2g} N along the surface are neither friction nor the tool's inertia (limit {:.2g} N, "
+        "an eighth of the contact force): does a cable or a hose pull at the tool? Lead it along the arm, or hang it "
+        "up, and record again",
+        pull, most_pull));
   }
   if (const auto off = lever_error(contacts, rows.normal, tip_radius_m); off && off->norm() > largest_lever_error_m) {
     faults.push_back(fmt::format(

@@ -17,7 +17,10 @@
 // refinement may move the surface by what the markers leave open: their expected error there (Fitzpatrick, West and
 // Maurer 1998), by Fisher's F with 6 and 3 n - 6 degrees of freedom at one in ten thousand.
 //   In sliding contact the tangential force is -mu N v / |v|, so that a part of the normal force that turns with the
-// sensor, e x N n, is a turned frame (the same 0.05 rad, and five standard errors from clusters of half a second).
+// sensor, e x N n, is a turned frame (the same 0.05 rad, and five standard errors from clusters of half a second). A
+// part along the surface that friction and inertia (m a, which stays in a recording) leave, constant or drawn to a
+// place, is a bias or a cable's pull. Its part along the normal does not show, so that the limit is half that of a bias
+// in free air.
 //   A ball of radius r that is pushed by f at its foot -r n has the torque -r n x f about its centre. What is left of
 // the measured one, f x e + b in the sensor's frame, is a centre declared e off, and a torque's bias b. Limit: 2 mm, as
 // far as positions may be off at their worst, and five standard errors as above.
@@ -62,7 +65,7 @@ double contact_compliance_m_per_N(const surface::Surface& surface, const Contact
 RigidTransform weighed_correction(const surface::Surface& surface, const ContactSamples& contacts, double tip_radius_m,
                                   const ContactRegistration& refinement, const MarkerRegistration& markers);
 std::vector<std::string> check_contacts(const surface::Surface& surface, const ContactSamples& contacts,
-                                        double tip_radius_m, double tracker_noise_m,
+                                        double tip_radius_m, double tracker_noise_m, double contact_force_N,
                                         const ContactRegistration& refinement, const MarkerRegistration& markers,
                                         const ObjectMove& move);
 

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <string>
+#include <vector>
 
+#include "harness/acquisition/pose_faults.h"
 #include "harness/acquisition/simulated_sessions_for_test.h"
 
 namespace touchstone::acquisition {
@@ -56,6 +59,32 @@ TEST(SessionCheck, EachDisturbanceIsNamedWithTheNextStep) {
   EXPECT_THAT(said(Disturbance::wrong_lever), HasSubstr("/probe/tip_S_m"));
   EXPECT_THAT(said(Disturbance::turned_sensor), HasSubstr("/probe/q_PS"));
   EXPECT_THAT(said(Disturbance::reversed_statics), HasSubstr("--flip-force"));
+  EXPECT_THAT(said(Disturbance::cable), HasSubstr("does a cable or a hose pull at the tool"));
+}
+
+// Places along z at 60 Hz, a hundred at rest and then these steps [mm].
+PoseFaults faults_of_steps(const std::vector<double>& steps_mm) {
+  std::vector<double> t_s;
+  std::vector<Vec3> tip_m;
+  double z_mm = 0.0;
+  const auto place = [&] {
+    const auto i = static_cast<double>(t_s.size());
+    t_s.push_back(i / 60.0);
+    tip_m.push_back(1e-3 * Vec3(0.02 * std::sin(37.0 * i), 0.02 * std::sin(53.0 * i), z_mm));
+  };
+  for (int i = 0; i < 100; ++i) place();
+  for (const double step : steps_mm) z_mm += step, place();
+  return find_pose_faults(t_s, tip_m, std::vector<Quat>(t_s.size(), Quat::Identity()));
+}
+
+// A tap at 0.28 m/s that bounces back once within a frame, and as large a step out of rest, there and back.
+TEST(PoseFaults, ATapThatBouncesIsNoJump) {
+  EXPECT_FALSE(
+      faults_of_steps({0.4, -0.3, 1.8, 2.6, 3.6, 4.7, 4.1, 0.5, -1.5, 0.5, 0.4, -0.4, 0.3, 0.5, -0.4, 0.2}).any());
+  const auto swapped =
+      faults_of_steps({0.4, -0.3, 0.2, 0.3, -0.2, 5.0, 0.1, 0.3, -5.2, 0.2, 0.3, -0.4, 0.3, 0.5, -0.4});
+  EXPECT_EQ(swapped.swapped.size(), 1U);
+  EXPECT_TRUE(swapped.jumped.empty());
 }
 
 }  // namespace

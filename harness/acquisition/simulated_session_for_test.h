@@ -36,16 +36,18 @@ enum class Disturbance {
   wrong_lever,
   turned_sensor,
   reversed_statics,
-  lost_packets
+  lost_packets,
+  cable
 };
 inline constexpr std::array all_disturbances{
     Disturbance::knock_at_start,  Disturbance::knock_half_way,   Disturbance::bias_drift,  Disturbance::held_poses,
     Disturbance::swapped_markers, Disturbance::moved_object,     Disturbance::wrong_tip,   Disturbance::wrong_lever,
     Disturbance::turned_sensor,   Disturbance::reversed_statics, Disturbance::lost_packets};
 inline std::string_view name_of(Disturbance d) {
-  constexpr std::array<std::string_view, 12> names{
+  constexpr std::array<std::string_view, 13> names{
       "none",         "knock at the start", "knock half-way", "bias drift",    "held poses",       "swapped markers",
-      "moved object", "wrong tip",          "wrong lever",    "turned sensor", "reversed statics", "lost packets"};
+      "moved object", "wrong tip",          "wrong lever",    "turned sensor", "reversed statics", "lost packets",
+      "cable"};
   return names.at(static_cast<std::size_t>(d));
 }
 
@@ -125,6 +127,8 @@ class SimulatedSession {
   [[nodiscard]] bool steady(double t) const { return t > scan_from_ + 1.0 && t < scan_to_ - 1.0; }
 
  private:
+  static constexpr double cable_N_per_m = 5.0;
+
   static double bumps(double x, double y) {
     return 0.012 * std::exp(-((x - 0.012) * (x - 0.012) + (y + 0.02) * (y + 0.02)) / (2 * 0.04 * 0.04)) +
            0.004 * std::sin(x / 0.025) * std::cos(y / 0.03);
@@ -200,7 +204,8 @@ class SimulatedSession {
     for (std::size_t i = 0; i < count; ++i) {
       const double t = 1e-3 * static_cast<double>(i);
       if (disturbance_ == Disturbance::lost_packets && i % 97 < 9) continue;
-      const Vec3 a = (center(t + 1e-3) - 2 * center(t) + center(t - 1e-3)) / 1e-6;
+      Vec3 a = (center(t + 1e-3) - 2 * center(t) + center(t - 1e-3)) / 1e-6;
+      if (disturbance_ == Disturbance::cable) a += cable_N_per_m * (center(t) - center(0.0)) / mass_;
       auto w = sensor(attitude(t), contact(t), foot(t), a, bias_at(t));
       w[0] += noise(0.01), w[1] += noise(2e-4);
       text += fmt::format("{:.7f},{:.6f},{:.6f},{:.6f},{:.7f},{:.7f},{:.7f}\n", t * (1 + skew_) + offset_s_, w[0].x(),

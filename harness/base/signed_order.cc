@@ -7,8 +7,6 @@
 namespace touchstone {
 namespace {
 
-constexpr std::array<std::string_view, 3> names{"fx", "fy", "fz"};
-
 // Columns that do not stand in their place, then signs.
 int changes(const SignedOrder& order) {
   int changed = 0;
@@ -21,7 +19,8 @@ int changes(const SignedOrder& order) {
 
 }  // namespace
 
-std::string SignedOrder::meaning() const {
+std::string SignedOrder::meaning(char vector) const {
+  const std::array<std::string, 3> names{{{vector, 'x'}, {vector, 'y'}, {vector, 'z'}}};
   std::string text;
   const auto add = [&](const std::string& words) { text += (text.empty() ? "" : " and ") + words; };
   std::array<int, 3> moved{};
@@ -33,7 +32,7 @@ std::string SignedOrder::meaning() const {
     add(fmt::format("{} and {} are exchanged", names.at(static_cast<std::size_t>(moved[0])),
                     names.at(static_cast<std::size_t>(moved[1]))));
   } else if (count == 3) {
-    add(fmt::format("the columns fx, fy, fz hold {}, {}, {}",
+    add(fmt::format("the columns {}, {}, {} hold {}, {}, {}", names[0], names[1], names[2],
                     names.at(static_cast<std::size_t>(std::ranges::find(from, 0) - from.begin())),
                     names.at(static_cast<std::size_t>(std::ranges::find(from, 1) - from.begin())),
                     names.at(static_cast<std::size_t>(std::ranges::find(from, 2) - from.begin()))));

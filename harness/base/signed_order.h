@@ -19,8 +19,8 @@ struct SignedOrder {
   }
   [[nodiscard]] bool as_it_stands() const { return from == std::array{0, 1, 2} && sign == std::array{1, 1, 1}; }
   [[nodiscard]] bool reversed() const { return from == std::array{0, 1, 2} && sign == std::array{-1, -1, -1}; }
-  // "fx has the other sign", "fy and fz are exchanged"; empty for the order as it stands.
-  [[nodiscard]] std::string meaning() const;
+  // "fx has the other sign", "fy and fz are exchanged" of a vector f; empty for the order as it stands.
+  [[nodiscard]] std::string meaning(char vector = 'f') const;
 };
 
 // All 48, those that change the least first.

@@ -47,6 +47,7 @@ struct KnownDevice {
   std::string_view note{};  // what a user must know, or why it cannot be seen
   // The form of the hardware map's "address", as an example; empty: it needs none.
   std::string_view address_example{};
+  std::string_view calibrating{};  // what a person does with a handle that says it is not calibrated
   bool one_axis = false;           // a force sensor that measures along one axis only
   bool needs_calibration = false;  // a file, which the hardware map names
   // A list of all devices does not connect to it: it may serve one client, or keep one waiting.

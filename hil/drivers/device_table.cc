@@ -101,6 +101,11 @@ const KnownDevice* match_usb(std::uint16_t vendor, std::uint16_t product, std::s
   return by_id;
 }
 
+std::string calibrating_text(std::string_view id) {
+  const KnownDevice* const device = find_known_device(id);
+  return device == nullptr || device->calibrating.empty() ? "" : ": " + std::string(device->calibrating);
+}
+
 std::string ids_of_devices(bool (*holds)(const KnownDevice&)) {
   std::string ids;
   for (const KnownDevice* const d : devices) {

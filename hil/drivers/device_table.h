@@ -16,6 +16,9 @@ const KnownDevice* find_known_device(std::string_view id);
 // The device that these USB ids and product string may be.
 const KnownDevice* match_usb(std::uint16_t vendor, std::uint16_t product, std::string_view product_string);
 
+// What a person does with this handle while it is not calibrated (homed), as ": do this"; empty where nothing is known.
+std::string calibrating_text(std::string_view id);
+
 // The ids of those for which it holds, as "a, b, c".
 std::string ids_of_devices(bool (*holds)(const KnownDevice&));
 

@@ -272,6 +272,7 @@ constexpr KnownDevice falcon_device{.id = "novint-falcon",
                                     .source = "libnifalcon; linux-usb.org",
                                     .confidence = Confidence::confirmed,
                                     .note = "has no watchdog of its own: only run behind the guardian process",
+                                    .calibrating = "move its grip all the way out, then all the way in",
                                     .open_handle = [](const MappedDevice& device) -> std::unique_ptr<HapticDevice> {
                                       FalconOptions options;
                                       options.serial = device.serial;

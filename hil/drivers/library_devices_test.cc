@@ -13,7 +13,10 @@
 
 #include "harness/base/atomic_file.h"
 #include "hil/drivers/comedi_daq.h"
+#include "hil/drivers/device_table.h"
 #include "hil/drivers/vendor_devices.h"
+#include "hil/emulators/ati_calibration_for_test.h"
+#include "hil/record/stream.h"
 
 namespace touchstone::hil {
 namespace {
@@ -35,19 +38,7 @@ class ComediStub : public ::testing::Test {
  protected:
   void SetUp() override {
     file_ = std::filesystem::temp_directory_path() / fmt::format("touchstone-comedi-{}.cal", ::getpid());
-    std::string xml =
-        "<FTSensor Serial=\"FT9\" BodyStyle=\"Nano17\" Family=\"DAQ\" NumGages=\"6\" "
-        "CalFileVersion=\"1.0\"><Calibration PartNumber=\"SI-12-0.12\" CalDate=\"2/3/2020\" "
-        "ForceUnits=\"N\" TorqueUnits=\"N-mm\" DistUnits=\"mm\" OutputRange=\"20\" OutputBipolar=\"True\">";
-    const char* const names[] = {"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
-    for (int i = 0; i < 6; ++i) {
-      xml += fmt::format("<Axis Name=\"{}\" scale=\"1\" max=\"17\" values=\"", names[i]);
-      for (int j = 0; j < 6; ++j) xml += i == j ? " 2" : " 0";
-      xml += "\"/>";
-    }
-    write_file(
-        file_,
-        xml + "<BasicTransform Dx=\"0\" Dy=\"0\" Dz=\"0\" Rx=\"0\" Ry=\"0\" Rz=\"0\"/></Calibration></FTSensor>");
+    write_file(file_, ati_calibration_for_test());
     options_.library = TOUCHSTONE_STUB_COMEDI;
     options_.calibration_file = file_;
     options_.emulated = true;
@@ -240,6 +231,24 @@ TEST_F(VendorStub, OpenHapticsUpdatesItsCalibration) {
   device->exchange(Vec3::Zero(), clock_.now_s() + 1);
   device->exchange(Vec3::Zero(), clock_.now_s() + 1);
   EXPECT_TRUE(device->calibrated());
+}
+
+// Its stylus out of the inkwell: nothing is updated and nothing commanded, and a recording says that its places mean
+// nothing. Put back, the device asks for the update.
+TEST_F(VendorStub, OpenHapticsWaitsForTheInkwell) {
+  fault("out of inkwell");
+  auto device = open_openhaptics(options_);
+  device->exchange(Vec3::Zero(), clock_.now_s() + 1);
+  EXPECT_FALSE(device->calibrated());
+  EXPECT_THAT(calibrating_text(device->identity().id), HasSubstr("inkwell"));
+  const auto stream = stream_of(std::move(device), 1000.0);
+  stream->start();
+  std::vector<RawSample> sample(1);
+  ASSERT_EQ(stream->read(sample, clock_.now_s() + 1), 1U);
+  EXPECT_NE(sample[0].wrench.flags & recording::sample_not_tracked, 0U);
+  fault("uncalibrated");
+  for (int i = 0; i < 3; ++i) ASSERT_EQ(stream->read(sample, clock_.now_s() + 1), 1U);
+  EXPECT_EQ(sample[0].wrench.flags & recording::sample_not_tracked, 0U);
 }
 
 TEST_F(VendorStub, AMissingLibraryIsSaidWithWhatToDo) {

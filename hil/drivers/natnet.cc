@@ -14,7 +14,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
+#include "hil/drivers/record_count.h"
 #include "hil/drivers/stamped_udp.h"
 
 namespace touchstone::hil {
@@ -96,6 +98,7 @@ class NatNetSource final : public PoseSource {
   void start() override {
     counters_ = {};
     started_ = false;
+    stamps_.emplace(info_.ticks_per_s);
     for (Socket* socket : {&command_, &data_}) {
       while (::recv(socket->fd(), packet_.data(), packet_.size(), MSG_DONTWAIT) > 0) {
       }
@@ -257,7 +260,7 @@ class NatNetSource final : public PoseSource {
     last_number_ = frame_.number;
     sample.t_s = t_s;
     sample.sequence = frame_.number;
-    sample.ticks = frame_.exposure_ticks;
+    sample.ticks = stamps_->on_axis(static_cast<std::int64_t>(frame_.exposure_ticks), t_s, counters_);
     ++counters_.received;
     ++filled;
     return true;
@@ -275,6 +278,7 @@ class NatNetSource final : public PoseSource {
   DeviceIdentity identity_;
   MonotonicClock clock_;
   StreamCounters counters_;
+  std::optional<DeviceStamps> stamps_;
   bool started_ = false;
   std::uint32_t last_number_ = 0;
   double alive_s_ = 0.0;

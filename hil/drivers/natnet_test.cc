@@ -193,7 +193,7 @@ TEST_P(NatNetVersions, PosesComeAtTheCamerasTimes) {
   EXPECT_EQ(source->counters().lost, 0U);
   EXPECT_EQ(source->counters().malformed, 0U);
   for (const auto& s : samples) {
-    const auto truth = circle(static_cast<double>(s.ticks) / NatNetEmulator::ticks_per_s);
+    const auto truth = circle(static_cast<double>(s.ticks) / NatNetEmulator::ticks_per_s - NatNetEmulator::epoch_s);
     EXPECT_LT((s.p_W_m - truth.p_W_m).norm(), 1e-7);
     EXPECT_LT(s.q_WB.angularDistance(truth.q_WB), 1e-3);
     EXPECT_EQ(s.flags & recording::sample_not_tracked, 0U);

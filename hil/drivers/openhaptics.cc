@@ -151,7 +151,8 @@ class OpenHaptics final : public HapticDevice {
     const std::scoped_lock lock(mutex_);
     std::array<double, 3> p{}, v{};
     int buttons = 0;
-    // Between frames, as the vendor's examples do it; never while a force is on, since the position may jump.
+    // Between frames, as the vendor's examples do it; never while a force is on, since the position may jump. What else
+    // it may answer, HD_CALIBRATION_NEEDS_MANUAL_INPUT, is for a person to end (KnownDevice::calibrating).
     const Enum calibration = hd_.check_calibration();
     calibrated_ = calibration == calibration_ok;
     if (calibration == calibration_needs_update && force_.isZero(0.0)) hd_.update_calibration(style_);
@@ -203,6 +204,9 @@ constexpr KnownDevice openhaptics_device{
     .source = "public driver logs (cdc_acm)",
     .confidence = Confidence::reported,
     .note = "through the vendor's library, tried against a stub only",
+    .calibrating =
+        "put its stylus into the inkwell and leave it there for a second; a device without an inkwell: move "
+        "arm and gimbal through their whole range",
     .open_handle = [](const MappedDevice& device) -> std::unique_ptr<HapticDevice> {
       VendorDeviceOptions options;
       options.library = device.library;

@@ -1,4 +1,5 @@
-// A device's own count of its records, which wraps around, as a number that does not, with the losses counted.
+// A device's own count of its records, which wraps around, as a number that does not, with the losses counted; and the
+// stamps of a clock that somebody sets meanwhile on one axis.
 #pragma once
 
 #include <algorithm>
@@ -69,6 +70,38 @@ class CountedSteps {
 
   std::uint32_t shortest_ = none;
   std::vector<std::uint32_t> early_;
+};
+
+// The stamps of a device's or a server's own clock, of records that come in their order. So a stamp that goes back is a
+// clock that was set back. And a record cannot come sooner after the one before it than it was sent after it, but for
+// what that one was late, with nothing in between: a stamp that runs ahead of the arrivals by more is a clock that was
+// set forward. Across a step, which is counted, the arrivals bridge.
+class DeviceStamps {
+ public:
+  explicit DeviceStamps(double ticks_per_s) : ticks_per_s_(ticks_per_s) {}
+
+  void restart() noexcept { started_ = false, correction_ = 0; }
+  [[nodiscard]] bool repeats(std::int64_t stamp) const noexcept { return started_ && stamp == last_; }
+  // The stamp as it would be if nobody had set the clock since the first.
+  std::uint64_t on_axis(std::int64_t stamp, double arrived_s, StreamCounters& counters) {
+    constexpr double surely_s = 0.1;
+    if (started_) {
+      const double came = ticks_per_s_ * (arrived_s - arrived_s_), sent = static_cast<double>(stamp - last_);
+      if (sent < 0.0 || sent > came + ticks_per_s_ * surely_s) {
+        ++counters.clock_steps;
+        correction_ += static_cast<std::int64_t>(std::max(1.0, came) - sent);
+      }
+    }
+    started_ = true;
+    last_ = stamp;
+    arrived_s_ = arrived_s;
+    return static_cast<std::uint64_t>(stamp + correction_);
+  }
+
+ private:
+  double ticks_per_s_, arrived_s_ = 0.0;
+  std::int64_t last_ = 0, correction_ = 0;
+  bool started_ = false;
 };
 
 }  // namespace touchstone::hil

@@ -18,6 +18,7 @@
 
 #include "harness/base/error.h"
 #include "hil/drivers/byte_reader.h"
+#include "hil/drivers/record_count.h"
 #include "hil/drivers/stamped_udp.h"
 
 namespace touchstone::hil {
@@ -137,7 +138,7 @@ class VrpnSource final : public PoseSource {
   void start() override {
     counters_ = {};
     sequence_ = 0;
-    last_stamp_ = correction_us_ = 0;
+    stamps_.restart();
     // Poses that wait are of before; what is described among them is not said again.
     while (fill(0.0)) each([this](const vrpn::Message& m) { learn(m); });
   }
@@ -254,33 +255,15 @@ class VrpnSource final : public PoseSource {
       sample.q_WB.setIdentity();
     }
     const auto stamp = static_cast<std::int64_t>(std::uint64_t{m.seconds} * 1000000U + m.microseconds);
-    if (stamp == last_stamp_) {
+    if (stamps_.repeats(stamp)) {
       ++counters_.repeated;
       return std::nullopt;
     }
-    sample.ticks = ticks_of(stamp);
+    sample.ticks = stamps_.on_axis(stamp, arrived_s_, counters_);
     sample.sequence = sequence_++;
     sample.t_s = arrived_s_;
     ++counters_.received;
     return sample;
-  }
-
-  // The server's stamps on one axis. One connection keeps their order, so that a stamp that goes back is a clock that
-  // was set back. And a report cannot come sooner after the one before it than it was sent after it, but for what that
-  // one was late, with nothing in between: a stamp that runs ahead of the arrivals by more is a clock that was set
-  // forward. Across a step the arrivals bridge.
-  std::uint64_t ticks_of(std::int64_t stamp) {
-    constexpr double surely_s = 0.1;
-    if (last_stamp_ != 0) {
-      const double came_us = 1e6 * (arrived_s_ - last_arrived_s_), sent_us = static_cast<double>(stamp - last_stamp_);
-      if (sent_us < 0.0 || sent_us > came_us + 1e6 * surely_s) {
-        ++counters_.clock_steps;
-        correction_us_ += static_cast<std::int64_t>(std::max(1.0, came_us) - sent_us);
-      }
-    }
-    last_stamp_ = stamp;
-    last_arrived_s_ = arrived_s_;
-    return static_cast<std::uint64_t>(stamp + correction_us_);
   }
 
   template <class Visit>
@@ -322,8 +305,8 @@ class VrpnSource final : public PoseSource {
   DeviceIdentity identity_;
   StreamCounters counters_;
   std::uint64_t sequence_ = 0;
-  std::int64_t last_stamp_ = 0, correction_us_ = 0;  // microseconds, as the server has them
-  double arrived_s_ = 0.0, last_arrived_s_ = 0.0;
+  DeviceStamps stamps_{vrpn_ticks_per_s};
+  double arrived_s_ = 0.0;
 };
 
 }  // namespace

@@ -176,7 +176,7 @@ void NatNetEmulator::serve() {
     const double own = now * (1.0 + 1e-6 * faults_.clock_ppm) + 0.5e-6 * faults_.drift_ppm_per_s * now * now;
     while (static_cast<double>(count + 1) / rate_Hz_ + latency_s <= own) {
       ++count;
-      if (client_.empty() || (faults_.silent_after != 0 && sent_ >= faults_.silent_after)) continue;
+      if (client_.empty() || silent_ || (faults_.silent_after != 0 && sent_ >= faults_.silent_after)) continue;
       const double t = static_cast<double>(count) / rate_Hz_;
       const EmulatedPose pose = pose_(t);
       EmulatedFrame frame;
@@ -188,7 +188,8 @@ void NatNetEmulator::serve() {
       frame.tracked = pose.tracked;
       frame.markers.emplace_back();
       frame.time_s = t;
-      frame.exposure = static_cast<std::uint64_t>(std::llround(t * ticks_per_s));
+      const double stamp_s = epoch_s + t + (t > faults_.step_at_s ? faults_.step_s : 0.0);
+      frame.exposure = static_cast<std::uint64_t>(std::llround(stamp_s * ticks_per_s));
       frame.received = frame.exposure + static_cast<std::uint64_t>(0.0046 * ticks_per_s);
       frame.sent = frame.exposure + static_cast<std::uint64_t>(latency_s * ticks_per_s);
       if (due(faults_.drop_every)) continue;

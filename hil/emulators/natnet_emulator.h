@@ -48,9 +48,10 @@ struct NatNetFaults {
   std::uint32_t repeat_every = 0;  // every n-th is sent twice
   std::uint32_t short_every = 0;   // every n-th is cut in half
   std::uint32_t silent_after = 0;
-  std::uint32_t begins_at = 1;     // the first frame's number
-  std::uint32_t begins_again = 0;  // after this many frames the numbers begin at 1
-  bool second_card = false;        // frames come from 127.0.0.2, answers from 127.0.0.1
+  std::uint32_t begins_at = 1;           // the first frame's number
+  std::uint32_t begins_again = 0;        // after this many frames the numbers begin at 1
+  double step_at_s = 0.0, step_s = 0.0;  // from then on its clock is so much on
+  bool second_card = false;              // frames come from 127.0.0.2, answers from 127.0.0.1
 };
 
 class NatNetEmulator {
@@ -64,10 +65,13 @@ class NatNetEmulator {
 
   [[nodiscard]] int command_port() const noexcept { return port_; }
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
+  // From now on it sends nothing.
+  void fall_silent() noexcept { silent_ = true; }
   // This machine's time at which the emulator's own time was zero.
   [[nodiscard]] double began_s() const noexcept { return began_s_; }
 
   static constexpr double ticks_per_s = 3312787.0;  // as captured
+  static constexpr double epoch_s = 1e5;            // its own clock's time at began_s(): since its computer was started
   static constexpr double latency_s = 0.0055;       // from exposure to sending, as captured
 
  private:
@@ -81,7 +85,7 @@ class NatNetEmulator {
   bool sized_;
   int socket_ = -1, second_socket_ = -1, port_ = 0;
   std::string client_;  // its address, as bytes
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, silent_{false};
   std::atomic<std::uint64_t> sent_{0};
   std::atomic<double> began_s_{0.0};
   std::thread thread_;

@@ -7,7 +7,7 @@
 
 namespace {
 
-enum Fault { none, absent, fails, uncalibrated };
+enum Fault { none, absent, fails, uncalibrated, out_of_inkwell };
 std::atomic<int> fault{none};  // the servo thread reads it while a test sets it
 std::atomic<double> force[3], set[3];
 std::atomic<int> watchdog_periods{0}, forces_on{0}, reset_done{1};
@@ -99,17 +99,22 @@ void hdSetDoublev(unsigned, const double* v) {
 }
 const char* hdGetString(unsigned) { return "STUB-4712"; }
 HdError hdGetError() { return {fault == absent ? 0x0301U : 0U, 0, 1}; }
-// hdDefines.h: OK 0x5000, NEEDS_UPDATE 0x5001. The public drivers call hdUpdateCalibration() in the servo callback
-// while it needs an update (OpenHaptics' Calibration example; phantom_omni of ROS).
-unsigned hdCheckCalibration() { return fault == uncalibrated ? 0x5001 : 0x5000; }
+// hdDefines.h: OK 0x5000, NEEDS_UPDATE 0x5001, NEEDS_MANUAL_INPUT 0x5002 (its value as C# and Python bindings repeat
+// it; phantom_omni and others then ask for the stylus in the inkwell). The public drivers call hdUpdateCalibration() in
+// the servo callback while it needs an update (OpenHaptics' Calibration example; phantom_omni of ROS).
+unsigned hdCheckCalibration() { return fault == uncalibrated ? 0x5001 : fault == out_of_inkwell ? 0x5002 : 0x5000; }
 void hdUpdateCalibration(unsigned style) {
   if (style == 4 && fault == uncalibrated) fault = none;
 }
 
-// For the tests: "absent", "fails" (the servo thread stops), "uncalibrated", or "" for a sound device; and what it
-// applies.
+// For the tests: "absent", "fails" (the servo thread stops), "uncalibrated", "out of inkwell", or "" for a sound
+// device; and what it applies.
 void touchstone_stub_fault(const char* name) {
-  fault = name[0] == 'a' ? absent : name[0] == 'f' ? fails : name[0] == 'u' ? uncalibrated : none;
+  fault = name[0] == 'a'   ? absent
+          : name[0] == 'f' ? fails
+          : name[0] == 'u' ? uncalibrated
+          : name[0] == 'o' ? out_of_inkwell
+                           : none;
 }
 int touchstone_stub_forces_on() { return forces_on; }
 void touchstone_stub_force(double* f) {

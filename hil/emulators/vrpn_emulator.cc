@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <string>
 
 #include "hil/emulators/loopback_socket.h"
@@ -18,6 +17,8 @@
 namespace touchstone::hil {
 namespace {
 
+// Another computer's clock, in seconds since 1970.
+constexpr double began_by_its_clock_s = 1.76e9;
 // Where the fields of a captured report are.
 constexpr std::size_t seconds_at = 4, microseconds_at = 8, sensor_at = 24, pose_at = 32;
 
@@ -85,14 +86,11 @@ void VrpnEmulator::serve() {
       send(vrpn_greeting, sizeof vrpn_greeting);
       count = 0, began = clock.now_s();
     }
-    timespec now{};
-    ::clock_gettime(CLOCK_REALTIME, &now);
-    const double real = static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
     const double since = clock.now_s() - began;
     while (client >= 0 && static_cast<double>(count + 1) / rate_Hz_ <= since) {
       const double t = static_cast<double>(++count) / rate_Hz_;
       const EmulatedPose pose = pose_(t);
-      const double stamp = real - since + t + (t > step_at_s_ ? step_s_ : 0.0);
+      const double stamp = began_by_its_clock_s + t + (t > step_at_s_ ? step_s_ : 0.0);
       const auto first = report_of(stamp, 0, pose);
       send(first.data(), first.size());
       EmulatedPose other;

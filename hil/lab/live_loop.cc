@@ -1,6 +1,9 @@
 #include "hil/lab/live_loop.h"
 
 #include <cmath>
+#include <utility>
+
+#include "hil/drivers/device_table.h"
 
 namespace touchstone::hil {
 namespace {
@@ -13,13 +16,17 @@ class LiveLoop {
   // At zero until calibrated and held. Returns why not, or nothing.
   std::string get_ready(const std::function<bool()>& stop) {
     const double until = clock_.now_s() + options_.ready_within_s;
+    const std::string how = calibrating_text(device_.identity().id);
+    bool told = false;
     for (double tick = clock_.now_s();; tick += period_s_) {
       clock_.sleep_until(tick);
       state_ = device_.exchange(Vec3::Zero(), clock_.now_s() + options_.exchange_s);
       if (device_.calibrated() && held()) return "";
+      if (!device_.calibrated() && !std::exchange(told, true)) options_.tell("the device is not calibrated" + how);
       if (stop()) return "stopped by the user";
       if (clock_.now_s() > until)
-        return device_.calibrated() ? "nobody took hold in time" : "the device was not calibrated (homed) in time";
+        return device_.calibrated() ? "nobody took hold in time"
+                                    : "the device was not calibrated (homed) in time" + how;
     }
   }
 

@@ -34,8 +34,9 @@ struct LiveRun {
 struct LiveOptions {
   double seconds = 10.0;
   double rate_Hz = 1000.0;
-  double ready_within_s = 30.0;  // calibrated and held
-  double exchange_s = 0.1;       // patience with one exchange
+  double ready_within_s = 30.0;                                              // calibrated and held
+  double exchange_s = 0.1;                                                   // patience with one exchange
+  std::function<void(const std::string&)> tell = [](const std::string&) {};  // what the person is to do
 };
 
 // `step` must allocate nothing and wait for nothing. `dead_man` may be null if nobody is at the device (emulated). The

@@ -28,7 +28,8 @@ class MovingHandle final : public GuardedDevice {
   }
   bool zero_force() noexcept override { return true; }
   [[nodiscard]] double watchdog_s() const override { return 0.0; }
-  [[nodiscard]] bool calibrated() const override { return true; }
+  [[nodiscard]] bool calibrated() const override { return identity_.id == "moving-handle"; }
+  void becomes(const std::string& id) { identity_.id = id; }
   [[nodiscard]] Trip tripped() const noexcept override { return trip_; }
   [[nodiscard]] GuardPhase phase() const noexcept override { return GuardPhase::at_zero; }
   [[nodiscard]] bool at_zero() const noexcept override { return true; }
@@ -101,6 +102,22 @@ TEST(LiveRendering, ABrokenRendererEndsTheRunAtZeroForce) {
   EXPECT_FALSE(run.whole);
   ASSERT_EQ(run.ticks.size(), 21U);
   EXPECT_EQ(run.ticks.back().wanted_W_N, Vec3(0, 0, 0));
+}
+
+// A device that waits for a person says at once what for, and again when the time is up.
+TEST(LiveRendering, AHandleThatIsNotCalibratedSaysWhatToDo) {
+  MovingHandle handle;
+  handle.becomes("3ds-touch");
+  Spring spring(500.0);
+  LiveOptions options;
+  options.ready_within_s = 0.01;
+  std::vector<std::string> told;
+  options.tell = [&](const std::string& text) { told.push_back(text); };
+  const LiveRun run = run_renderer(
+      handle, options, nullptr, [] { return false; }, spring);
+  EXPECT_THAT(told, ::testing::ElementsAre(HasSubstr("not calibrated: put its stylus into the inkwell")));
+  EXPECT_THAT(run.ended, HasSubstr("was not calibrated (homed) in time: put its stylus into the inkwell"));
+  EXPECT_TRUE(run.ticks.empty());
 }
 
 TEST(LiveRendering, NoNumberIsNoAgreement) {

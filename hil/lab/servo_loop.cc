@@ -4,6 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include "hil/drivers/device_table.h"
 
 namespace touchstone::hil {
 namespace {
@@ -17,16 +20,19 @@ class Loop {
     bench_.tell(bench_.dead_man->instruction() + ", and keep it held; let go to stop");
     const double deadline = bench_.clock.now_s() + bench_.hold_within_s;
     restart();
-    for (;;) {
+    const std::string how = calibrating_text(bench_.device.identity().id);
+    for (bool told = false;;) {
       tick(Vec3::Zero());
+      if (!bench_.device.calibrated() && !std::exchange(told, true)) bench_.tell("the device is not calibrated" + how);
       if (bench_.device.calibrated() && bench_.dead_man->held(bench_.clock.now_s(), state_)) return;
       if (bench_.stop()) throw DeviceError(DeviceStatus::failed, "stopped by the user");
       if (bench_.clock.now_s() > deadline) {
         throw DeviceError(DeviceStatus::timed_out,
-                          bench_.device.calibrated() ? fmt::format("nobody took hold within {:.3g} s: {}",
-                                                                   bench_.hold_within_s, bench_.dead_man->instruction())
-                                                     : fmt::format("{}: was not calibrated (homed) within {:.3g} s",
-                                                                   bench_.device.identity().id, bench_.hold_within_s));
+                          bench_.device.calibrated()
+                              ? fmt::format("nobody took hold within {:.3g} s: {}", bench_.hold_within_s,
+                                            bench_.dead_man->instruction())
+                              : fmt::format("{}: was not calibrated (homed) within {:.3g} s{}",
+                                            bench_.device.identity().id, bench_.hold_within_s, how));
       }
     }
   }

@@ -54,6 +54,17 @@ class MultiSession : public ::testing::Test {
   static NamedStream tracker_of(const NatNetEmulator& emulator, double rate_Hz) {
     return {"tracker", stream_of(open_natnet({"127.0.0.1", emulator.command_port(), "probe", 3.0, rate_Hz}))};
   }
+  static std::uint64_t samples_in(const fs::path& file) {
+    std::uint64_t n = 0;
+    try {
+      read_raw(file, [&](const RawSample&) { ++n; });
+    } catch (const BadData&) {
+      return 0;  // not there yet, or without its head
+    }
+    return n;
+  }
+
+  static constexpr double busy_s = 30.0;  // silence that no busy machine makes
   fs::path folder_;
 };
 
@@ -67,15 +78,14 @@ TEST_F(MultiSession, ForceTrackerAndHandleTogether) {
   const EmulatedHapticPlant plant(plant_file, 0.0);
   streams.push_back({"handle", stream_of(open_emulated_haptic(plant_file), 500.0)});
   MultiOptions options;
-  options.seconds = 2.0;
-  int shown = 0;
+  options.silence_s = busy_s;
   std::string screen;
+  bool enough = false;
   options.show = [&](const std::vector<StreamStatus>& status, double seconds) {
-    ++shown;
     screen = status_table(status, seconds);
+    enough = status[0].written > 8000 && status[1].written > 100 && status[2].written > 200;
   };
-  const auto report = record_streams(std::move(streams), folder_, options, [] { return false; });
-  EXPECT_GE(shown, 2);
+  const auto report = record_streams(std::move(streams), folder_, options, [&] { return enough; });
   EXPECT_THAT(screen, AllOf(HasSubstr("force"), HasSubstr("tracker"), HasSubstr("handle"), HasSubstr("silent s")));
   ASSERT_EQ(report.streams.size(), 3U);
   for (const auto& s : report.streams) {
@@ -83,9 +93,6 @@ TEST_F(MultiSession, ForceTrackerAndHandleTogether) {
     EXPECT_EQ(s.last.written, s.last.counters.received) << s.name;
     EXPECT_EQ(s.last.lost_in_memory, 0U);
   }
-  EXPECT_GT(report.streams[0].last.written, 8000U);
-  EXPECT_GT(report.streams[1].last.written, 100U);
-  EXPECT_GT(report.streams[2].last.written, 200U);
 
   const auto session = export_session(folder_);
   ASSERT_EQ(session.tables.size(), 3U);  // in the order of their names
@@ -142,21 +149,19 @@ TEST_F(MultiSession, TheAxisIsTheDevicesOwnTime) {
 
 TEST_F(MultiSession, AStreamThatStopsEndsTheRunOfAll) {
   NetFtEmulator sensor(1000, {}, ramp);
-  NatNetFaults faults;
-  faults.silent_after = 240;  // some are sent while it is opened
-  NatNetEmulator motive(120, faults, walk);
+  NatNetEmulator motive(120, {}, walk);
   std::vector<NamedStream> streams;
   streams.push_back(force_of(sensor));
   streams.push_back(tracker_of(motive, 120));
   MultiOptions options;
-  options.seconds = 30.0;
-  options.silence_s = 0.5;
+  options.show = [&](const std::vector<StreamStatus>& status, double) {
+    if (status[1].written > 0) motive.fall_silent();
+  };
   const auto report = record_streams(std::move(streams), folder_, options, [] { return false; });
-  EXPECT_LT(report.seconds, 15.0);
+  EXPECT_FALSE(report.stopped);
   EXPECT_FALSE(report.streams[0].silent);
   EXPECT_TRUE(report.streams[1].silent);
   EXPECT_GT(report.streams[1].last.written, 0U);
-  EXPECT_LE(report.streams[1].last.written, 240U);
   EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("tracker: its stream stopped")));
 }
 
@@ -167,18 +172,16 @@ TEST_F(MultiSession, ADeviceThatIsUnpluggedCostsNothingThatCame) {
   streams.push_back(force_of(sensor));
   streams.push_back(tracker_of(motive, 120));
   MultiOptions options;
-  options.seconds = 30.0;
-  options.silence_s = 0.5;
+  options.silence_s = busy_s;
+  const SchedulingLateness machine;
   double unplugged_s = 0.0;
-  std::thread cable([&] {
-    MonotonicClock clock;
-    clock.sleep_until(clock.now_s() + 1.0);
-    unplugged_s = clock.now_s();
+  options.show = [&](const std::vector<StreamStatus>& status, double) {
+    if (status[0].written == 0 || status[1].written == 0 || unplugged_s > 0.0) return;
+    unplugged_s = MonotonicClock().now_s();
     sensor.unplug();
-  });
+  };
   const auto report = record_streams(std::move(streams), folder_, options, [] { return false; });
-  cable.join();
-  EXPECT_LT(report.seconds, 15.0);
+  EXPECT_FALSE(report.stopped);
   EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("force:")));
   double last_s = 0.0;
   std::uint64_t n = 0;
@@ -186,7 +189,7 @@ TEST_F(MultiSession, ADeviceThatIsUnpluggedCostsNothingThatCame) {
   EXPECT_EQ(n, report.streams[0].last.counters.received);
   fmt::print("unplugged: the last sample in the file is {:.1f} ms older than the cable's pull\n",
              1e3 * (unplugged_s - last_s));
-  EXPECT_LT(unplugged_s - last_s, 0.1);
+  EXPECT_LT(unplugged_s - last_s, 0.1 + 2 * machine.worst_s());
 }
 
 // The whole program dies; what is missing is what came in the last tenth of a second.
@@ -209,14 +212,20 @@ TEST_F(MultiSession, AKilledProgramLosesATenthOfASecond) {
       streams.push_back(force_of(sensor));
       streams.push_back(tracker_of(motive, 60));
       [[maybe_unused]] const auto n = ::write(port[1], "r", 1);
-      record_streams(std::move(streams), folder, {}, [] { return false; });
+      MultiOptions options;
+      options.silence_s = busy_s;
+      record_streams(std::move(streams), folder, options, [] { return false; });
       ::_exit(0);
     }
     ::close(port[1]);  // else a child that dies is waited for without end
     char ready = 0;
     ASSERT_EQ(::read(port[0], &ready, 1), 1) << "the recording program died at its start";
     MonotonicClock clock;
-    clock.sleep_until(clock.now_s() + 1.5 + 0.13 * run);
+    while (samples_in(folder / "force.tsraw") < 10 || samples_in(folder / "tracker.tsraw") < 10) {
+      ASSERT_EQ(::waitpid(child, nullptr, WNOHANG), 0) << "the recording program died";
+      clock.sleep_until(clock.now_s() + 0.02);
+    }
+    clock.sleep_until(clock.now_s() + 0.13 * run);  // anywhere between two blocks
     const double killed_s = clock.now_s();
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
@@ -243,7 +252,7 @@ TEST_F(MultiSession, AFullDiskEndsTheRunAndSavesWhatWaits) {
   std::vector<NamedStream> streams;
   streams.push_back(force_of(sensor));
   MultiOptions options;
-  options.seconds = 30.0;
+  options.silence_s = busy_s;
   options.disk_patience_s = 0.5;
   const fs::path elsewhere = folder_.string() + "-elsewhere";
   fs::create_directories(elsewhere);
@@ -253,12 +262,13 @@ TEST_F(MultiSession, AFullDiskEndsTheRunAndSavesWhatWaits) {
   ::setrlimit(RLIMIT_FSIZE, &full);
   const auto report = record_streams(std::move(streams), folder_, options, [] { return false; });
   ::setrlimit(RLIMIT_FSIZE, &room);
-  EXPECT_LT(report.seconds, 15.0);
+  EXPECT_FALSE(report.stopped);
   EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("the disk would not take more")));
-  std::uint64_t n = 0;
-  read_raw(folder_ / "force.tsraw", [&](const RawSample&) { ++n; });
-  read_raw(elsewhere / "force.tsraw.rest", [&](const RawSample&) { ++n; });
-  EXPECT_EQ(n, report.streams[0].last.counters.received);
+  const std::uint64_t n = samples_in(folder_ / "force.tsraw") + samples_in(elsewhere / "force.tsraw.rest");
+  // A busy machine may let more wait than the limit leaves room for elsewhere: that is said.
+  if (n != report.streams[0].last.counters.received) {
+    EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("later ones are lost")));
+  }
   // Beside its beginning the rest is found.
   fs::rename(elsewhere / "force.tsraw.rest", folder_ / "force.tsraw.rest");
   EXPECT_EQ(export_session(folder_).tables[0].report.samples, n);

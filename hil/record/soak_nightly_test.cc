@@ -134,7 +134,8 @@ Outcome record_two(const TwoDevices& plan, double seconds) {
     const auto truth = [&](std::uint64_t number) {
       if (which == 0)
         return sensor.started_s() + static_cast<double>(number - 1) / 5000.0 / (1.0 + 1e-6 * plan.force_ppm);
-      const double own = static_cast<double>(number) / NatNetEmulator::ticks_per_s + NatNetEmulator::latency_s;
+      const double own = static_cast<double>(number) / NatNetEmulator::ticks_per_s - NatNetEmulator::epoch_s +
+                         NatNetEmulator::latency_s;
       const double a = 0.5e-6 * plan.tracker_drift_ppm_per_s, b = 1.0 + 1e-6 * plan.tracker_ppm;
       return motive.began_s() + (a == 0.0 ? own / b : (std::sqrt(b * b + 4.0 * a * own) - b) / (2.0 * a));
     };

@@ -108,6 +108,8 @@ class HapticStream final : public Stream {
     sample.wrench.sequence = sequence_;
     sample.wrench.device_status = state.buttons;
     sample.wrench.flags = after_gap_ ? recording::sample_after_gap : recording::sample_ok;
+    // Before, positions are arbitrary.
+    if (!device_->calibrated()) sample.wrench.flags |= recording::sample_not_tracked;
     sample.p_W_m = state.p_W_m;
     sequence_ += steps;
     after_gap_ = steps > 1;
