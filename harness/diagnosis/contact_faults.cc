@@ -1,6 +1,7 @@
 // Faults of touching: where contact begins and where the contact point is.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -41,10 +42,24 @@ Touch first_touch(const Engine& engine) {
   return {};
 }
 
+// How deep a tip that comes down has a force, which a coarse step of the force may delay.
+double first_force_m(const Engine& engine) {
+  constexpr double step_m = 5e-6;
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), -step_m);
+  for (int i = 0; step_m * i < kLatest_m; ++i) {
+    const double depth_m = step_m * (i + 0.5);
+    if (probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.z() > 0.0) return depth_m;
+  }
+  return kLatest_m;
+}
+
 // At the surface and without a jump, but for the last step and what the engine declares.
 bool within_epsilon(const Engine& engine, const Touch& touch) {
   const double allowed_m = kTouchStep_m + kPlaceRounding_m + engine.epsilon_m;
-  const double most_N = engine.stiffness_N_per_m * allowed_m * (1.0 + engine.friction);
+  // A contact that is stiffer than its author says does not jump for that.
+  const double pressed_N = Probe(engine, level_block()).approach(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.norm();
+  const double most_N = std::max(engine.stiffness_N_per_m, pressed_N / kDepth_m) * allowed_m * (1.0 + engine.friction);
   return touch.depth_m > 0.0 && touch.depth_m <= allowed_m && touch.force_N <= most_N;
 }
 
@@ -156,7 +171,7 @@ std::optional<Finding> find_untouchable_triangles(const Engine& engine) {
 std::optional<Finding> find_pops_through_shell(const Engine& engine) {
   constexpr double below_m = 5e-3;
   constexpr double step_m = 2e-5;
-  const double late_m = std::max(engine.epsilon_m, first_touch(engine).depth_m) + 2.0 * step_m;
+  const double late_m = std::max(engine.epsilon_m, first_force_m(engine)) + 2.0 * step_m;
   // What pulls inward everywhere lets nothing through: another detector says so.
   if (!(Probe(engine, level_block()).approach(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.z() > 0.0)) return std::nullopt;
   for (const double thickness_m : {8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5}) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "harness/diagnosis/diagnosis.h"
+#include "harness/diagnosis/force_law.h"
 
 namespace touchstone::diagnosis {
 
@@ -20,6 +21,8 @@ std::optional<Finding> find_sticks_at_joints(const Engine& engine);
 std::optional<Finding> find_jump_between_triangles(const Engine& engine);
 std::optional<Finding> find_friction_lost(const Engine& engine);
 std::optional<Finding> find_ball_at_edge(const Engine& engine);
+// Beside what a map makes of the right force.
+std::optional<Finding> find_ball_at_edge_under(const Engine& engine, const ForceMap& map);
 
 // signal_faults.cc
 std::optional<Finding> find_noise(const Engine& engine);
