@@ -54,12 +54,19 @@ double first_force_m(const Engine& engine) {
   return kLatest_m;
 }
 
+// On the top of the block, away from its edges.
+Vec3 force_on_top(const Engine& engine) {
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  return probe.press(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N;
+}
+
 // At the surface and without a jump, but for the last step and what the engine declares.
 bool within_epsilon(const Engine& engine, const Touch& touch) {
   const double allowed_m = kTouchStep_m + kPlaceRounding_m + engine.epsilon_m;
   // A contact that is stiffer than its author says does not jump for that.
-  const double pressed_N = Probe(engine, level_block()).approach(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.norm();
-  const double most_N = std::max(engine.stiffness_N_per_m, pressed_N / kDepth_m) * allowed_m * (1.0 + engine.friction);
+  const double most_N =
+      std::max(engine.stiffness_N_per_m, force_on_top(engine).norm() / kDepth_m) * allowed_m * (1.0 + engine.friction);
   return touch.depth_m > 0.0 && touch.depth_m <= allowed_m && touch.force_N <= most_N;
 }
 
@@ -126,6 +133,64 @@ std::optional<Finding> find_late_contact(const Engine& engine) {
       fmt::format("contact begins {:.3g} m below the surface, within the {:.3g} m that it declares: no fault",
                   touch.depth_m, engine.epsilon_m),
       kComingDown, touch.depth_m, "m"};
+}
+
+// Where the tip is neither in nor out, or two surface points are as close: what it is called there must not matter.
+// Free places in the planes and lines of a block's walls, and on them, have no force. On the line that is as deep below
+// the top as behind the side, the answer of either is right.
+std::optional<Finding> find_tie_break(const Engine& engine) {
+  const double r = engine.tip_radius_m;
+  const double away_m = 5e-3 + r;
+  const double rounding_N = engine.stiffness_N_per_m * (kPlaceRounding_m + 2.0 * engine.epsilon_m);
+  struct Tie {
+    Vec3 foot;  // the tip is `height` above it
+    Vec3 out;
+    double height_m;
+    const char* name;
+  };
+  const Vec3 x = Vec3::UnitX();
+  const Vec3 z = Vec3::UnitZ();
+  const Vec3 edge(kHalf_m, kPlace.y(), 0.0);
+  const Vec3 corner(kHalf_m, kHalf_m, 0.0);
+  const std::array ties{
+      Tie{edge, x, away_m, "in the plane of the top, beside the block"},
+      Tie{edge, z, away_m, "in the plane of a side, above the block"},
+      Tie{corner, x, away_m, "on the line of an edge, beside the block"},
+      Tie{corner, z, away_m, "on the line of two sides, above the block"},
+      Tie{kPlace, z, r, "on the top"},
+      Tie{edge, z, r, "on an edge"},
+      Tie{corner, z, r, "on a corner"},
+  };
+  for (const Tie& tie : ties) {
+    Probe probe(engine, level_block());
+    constexpr double from_m = 2e-3;
+    for (const double above_m : {from_m, 0.5 * from_m}) probe.to(tie.foot + (tie.height_m + above_m) * tie.out);
+    const Vec3 f_N = probe.to(tie.foot + tie.height_m * tie.out).f_W_N;
+    if (f_N.norm() <= rounding_N) continue;
+    return Finding{"tie-break", fmt::format("exactly {} a free tip has a force of {:.3g} N", tie.name, f_N.norm()),
+                   "a block 40 mm wide, the tip coming from outside", f_N.norm(), "N"};
+  }
+  // For a ball that is the line of a rounded edge, where all ways out are as long.
+  if (r > 0.0) return std::nullopt;
+  Probe probe(engine, level_block());
+  const Vec3 f_N = probe.approach({kHalf_m - kDepth_m, kPlace.y(), 0.0}, z, kDepth_m).f_W_N;
+  const Vec3 plane_N = force_on_top(engine);
+  const double load_N = plane_N.z();
+  // What pulls sideways on a plane, too, is another fault.
+  const double sideways_N = std::hypot(plane_N.x(), plane_N.y());
+  const auto off_for = [&](const Vec3& n) {
+    const double normal_N = f_N.dot(n);
+    return std::max(std::abs(normal_N - load_N), (f_N - normal_N * n).norm() - sideways_N);
+  };
+  const double off_N = std::min(off_for(z), off_for(x));
+  if (off_N <= 0.01 * std::abs(load_N) + rounding_N) return std::nullopt;
+  return Finding{"tie-break",
+                 fmt::format("as deep below the top as behind the side, the force is ({:.3g}, {:.3g}, {:.3g}) N where "
+                             "{:.3g} N either upwards or sideways are right",
+                             f_N.x(), f_N.y(), f_N.z(), load_N),
+                 fmt::format("a block 40 mm wide, the tip coming down {:g} mm beside an edge, {:g} mm deep",
+                             1e3 * kDepth_m, 1e3 * kDepth_m),
+                 off_N, "N"};
 }
 
 std::optional<Finding> find_untouchable_triangles(const Engine& engine) {

@@ -10,6 +10,7 @@ namespace touchstone::diagnosis {
 
 // contact_faults.cc
 std::optional<Finding> find_standoff(const Engine& engine);
+std::optional<Finding> find_tie_break(const Engine& engine);
 std::optional<Finding> find_gap_at_contact(const Engine& engine);
 std::optional<Finding> find_late_contact(const Engine& engine);
 std::optional<Finding> find_untouchable_triangles(const Engine& engine);

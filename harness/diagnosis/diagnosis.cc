@@ -48,7 +48,7 @@ const Consequences& consequences() {
         "ball-at-edge"}},
       {"place-dependent",
        {"wrong-frame", "sticks-at-flat-edges", "sticks-at-joints", "noise", "energy-gained", "jump-between-triangles",
-        "ball-at-edge"}},
+        "ball-at-edge", "tie-break"}},
       {"falls-through-block", {"pops-through-shell", "ball-at-edge"}},
       {"gap-at-contact", {"energy-gained", "ball-at-edge", "friction-lost"}},
   };
@@ -59,7 +59,9 @@ constexpr std::array kOfAxes{"mirrored-axis", "exchanged-axes", "lost-axis"};
 
 // What a force does that turns otherwise than the world: after what explains this by itself.
 const Consequences& consequences_of_frames() {
-  static const Consequences table{{"wrong-frame", {"jump-between-triangles", "energy-gained", "ball-at-edge"}}};
+  static const Consequences table{{"wrong-frame",
+                                   {"sticks-at-joints", "sticks-at-flat-edges", "jump-between-triangles",
+                                    "energy-gained", "ball-at-edge", "tie-break"}}};
   return table;
 }
 
@@ -303,6 +305,7 @@ const std::vector<Detector>& detectors() {
        find_late_contact,
        said},
       {"standoff", "the surface contact point floats above the surface", {surface_contact}, find_standoff},
+      {"tie-break", "exactly in a wall's plane, or between two, another answer than beside it", {}, find_tie_break},
       {"noise", "the force changes while the tip rests, or saws while it slides over a plane", {}, find_noise},
       {"state-after-reset",
        "a run after reset() is not the run of a new renderer",

@@ -27,7 +27,8 @@ class AskedAgain final : public Renderer {
   }
   rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
     rendering::StepResult result = inner_->step(tip);
-    constexpr int most = 12;
+    // Enough for what is lost in a row, or held.
+    const int most = last_N_ > 0.0 ? 40 : 2;
     for (int again = 0; again < most && result.f_W_N.norm() <= 0.5 * last_N_; ++again) {
       rendering::TipState later = tip;
       later.t_s += half_tick_s_ * (again + 1) / (most + 1);

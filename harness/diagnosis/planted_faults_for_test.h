@@ -285,6 +285,10 @@ inline std::vector<Fault> of_the_force() {
   list.push_back({"constant force", "gap-at-contact", {}, [](auto& r, auto&, auto&) {
                     if (r.contact) r.f_W_N = 5.0 * r.n_W;
                   }});
+  list.push_back({"a force in the plane of a wall", "tie-break", {}, [](auto& r, auto& tip, auto& m) {
+                    if (!r.contact && tip.p_W_m.z() == 0.0 && tip.p_W_m.x() > 0.0)
+                      r.f_W_N = 480.0 / m.unit * Vec3(tip.p_W_m);
+                  }});
   list.push_back({"lost 2.5 mm deep", "falls-through-block", {}, [](auto& r, auto& tip, auto& m) {
                     if (r.depth_m > 2.5e-3 * m.unit) nothing_there(r, tip);
                   }});

@@ -240,7 +240,10 @@ std::optional<Finding> find_hysteresis(const Engine& engine) {
   constexpr double slow_m_per_s = 0.01;
   const double step_m = slow_m_per_s / engine.rate_Hz;
   const double epsilon = 2.0 * engine.epsilon_m / 5e-4;
-  double share = release_share(engine, 2e-5);
+  // In coarse and in fine steps: what swings by itself is no hysteresis.
+  const double coarse = release_share(engine, 2e-5);
+  const double fine = release_share(engine, 5e-6);
+  double share = std::abs(fine) < std::abs(coarse) ? fine : coarse;
   bool at_rest = true;
   constexpr int no_memory = 2;
   if (std::abs(share) <= least + epsilon && engine.settle_samples <= no_memory) {
