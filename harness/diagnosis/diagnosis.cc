@@ -48,7 +48,7 @@ const Consequences& consequences() {
         "ball-at-edge"}},
       {"place-dependent",
        {"wrong-frame", "sticks-at-flat-edges", "sticks-at-joints", "noise", "energy-gained", "jump-between-triangles",
-        "ball-at-edge", "tie-break"}},
+        "ball-at-edge"}},
       {"falls-through-block", {"pops-through-shell", "ball-at-edge"}},
       {"gap-at-contact", {"energy-gained", "ball-at-edge", "friction-lost"}},
   };
@@ -59,9 +59,9 @@ constexpr std::array kOfAxes{"mirrored-axis", "exchanged-axes", "lost-axis"};
 
 // What a force does that turns otherwise than the world: after what explains this by itself.
 const Consequences& consequences_of_frames() {
-  static const Consequences table{{"wrong-frame",
-                                   {"sticks-at-joints", "sticks-at-flat-edges", "jump-between-triangles",
-                                    "energy-gained", "ball-at-edge", "tie-break"}}};
+  static const Consequences table{
+      {"wrong-frame",
+       {"sticks-at-joints", "sticks-at-flat-edges", "jump-between-triangles", "energy-gained", "ball-at-edge"}}};
   return table;
 }
 

@@ -221,6 +221,8 @@ inline std::vector<Fault> of_the_force() {
       slow_rise(0.05),
       slow_rise(0.4),
       mapped("x mirrored", "mirrored-axis", [](const Vec3& f) { return Vec3(-f.x(), f.y(), f.z()); }),
+      mapped("positive x mirrored", "mirrored-axis",
+             [](const Vec3& f) { return Vec3(-std::abs(f.x()), f.y(), f.z()); }),
       mapped("positive y mirrored", "mirrored-axis",
              [](const Vec3& f) { return Vec3(f.x(), -std::abs(f.y()), f.z()); }),
       mapped("inverted", "mirrored-axis", [](const Vec3& f) { return Vec3(-f); }),
