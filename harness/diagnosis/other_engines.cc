@@ -97,7 +97,7 @@ Engine counted_from(const Engine& engine, double share) {
   other.make = [make = engine.make, share](const std::shared_ptr<const surface::Surface>& surface, double unit) {
     surface::TriangleMesh mesh = *surface->mesh();
     const auto first = static_cast<std::ptrdiff_t>(share * static_cast<double>(mesh.triangles.size()));
-    std::ranges::rotate(mesh.triangles, mesh.triangles.begin() + first);
+    std::rotate(mesh.triangles.begin(), mesh.triangles.begin() + first, mesh.triangles.end());
     return make(make_embree_surface(mesh), unit);
   };
   return other;

@@ -246,6 +246,7 @@ int measured_settling_samples(const Engine& engine) {
     const int rest = least + more * jump;
     const double depth_m = kShallow_m + (jump % 2 == 0 ? jump_m : 0.0);
     std::vector<double> force_N;
+    force_N.reserve(static_cast<std::size_t>(rest));
     for (int i = 0; i < rest; ++i) force_N.push_back(probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.z());
     const double off_N = 1e-4 * engine.stiffness_N_per_m * jump_m;
     const auto last = std::find_if(force_N.rbegin(), force_N.rend(),
@@ -473,18 +474,18 @@ std::string Timing::fault() const {
   return "";
 }
 
-Timing identify_timing(const Engine& level) {
-  Response response = response_to_jumps(level);
+Timing identify_timing(const Engine& engine) {
+  Response response = response_to_jumps(engine);
   // What has no force upwards may have one along another axis.
   const bool leans = !(response.spacing_N > 0.0);
-  const Engine engine = leans ? leaning(level) : level;
-  if (leans) response = response_to_jumps(engine);
+  const Engine probed = leans ? leaning(engine) : engine;
+  if (leans) response = response_to_jumps(probed);
   // The force is the same at every depth: nothing can be told from it.
   if (!(response.spacing_N > 0.0)) return {};
-  Timing timing = timing_of(engine, response);
+  Timing timing = timing_of(probed, response);
   // Of two faults the one behind may take longer.
   if (timing.kind != TimingKind::exact)
-    timing.settle_samples = std::max(timing.settle_samples, measured_settling_samples(engine));
+    timing.settle_samples = std::max(timing.settle_samples, measured_settling_samples(probed));
   timing.declared = timing.kind == TimingKind::delay && timing.lag_samples <= engine.lag_samples;
   return timing;
 }
