@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "harness/base/atomic_file.h"
@@ -21,6 +22,7 @@
 #include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
 #include "harness/rendering/scene_file.h"
+#include "harness/rendering/settled_renderer.h"
 #include "harness/report/ctest_measurement.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
@@ -65,6 +67,14 @@ struct CaseWorld {
   std::shared_ptr<const surface::Surface> surface;  // of one object; empty for a scene
   std::string geometry_sha256;
 };
+
+// A parameter as it is set or declared; 0 where there is none.
+double value_of(const Model& model, const RendererEntry& entry, const std::string& name) {
+  const auto set = model.parameters.find(name);
+  if (set != model.parameters.end()) return set->second;
+  const auto found = std::ranges::find(entry.parameters, name, &rendering::ParameterDeclaration::name);
+  return found == entry.parameters.end() ? 0.0 : found->initial;
+}
 
 CaseWorld make_world(const Catalogues& catalogues, const GoldenCase& golden, const Model& model,
                      const InTrajectory& trajectory) {
@@ -204,13 +214,6 @@ std::string declared_not_to_move(const RendererEntry& entry, const GoldenCase& g
                      scene.bodies.size());
 }
 
-double tip_radius_m(const Model& model, const RendererEntry& entry) {
-  const auto set = model.parameters.find("tip_radius_m");
-  if (set != model.parameters.end()) return set->second;
-  const auto found = std::ranges::find(entry.parameters, "tip_radius_m", &rendering::ParameterDeclaration::name);
-  return found == entry.parameters.end() ? 0.0 : found->initial;
-}
-
 // Whether the case's own renderer pushes to the closest surface point, wherever that jumps to.
 bool pushes_to_closest(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model) {
   const auto& known = catalogues.renderers.renderers();
@@ -231,8 +234,8 @@ std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& 
   const auto& known = catalogues.renderers.renderers();
   const auto of_case = std::ranges::find(known, own.renderer, &RendererEntry::name);
   if (of_case != known.end()) {
-    const double rendered_m = tip_radius_m(described, entry);
-    const double wanted_m = tip_radius_m(own, *of_case);
+    const double rendered_m = value_of(described, entry, "tip_radius_m");
+    const double wanted_m = value_of(own, *of_case, "tip_radius_m");
     if (rendered_m != wanted_m)
       return fmt::format("the tip is a ball of {:g} m in radius, the case's of {:g} m{}", rendered_m, wanted_m,
                          wanted_m == 0.0 ? "; is another model the one, as --model god-object-ball?" : "");
@@ -296,9 +299,12 @@ CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const s
   const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
   const std::string own_renderer = described.renderer;
   if (change) change(described);
-  const CaseWorld world = make_world(catalogues, golden, described, trajectory);
+  CaseWorld world = make_world(catalogues, golden, described, trajectory);
   CaseRun run;
-  run.rendered = replay(*world.renderer, trajectory, time_steps);
+  // A golden says what is right at each tip; when the answer comes is what the renderer declares.
+  const double lag_samples = value_of(described, catalogues.renderers.find(described), "lag_samples");
+  const auto renderer = rendering::settled(std::move(world.renderer), static_cast<int>(std::lround(lag_samples)));
+  run.rendered = replay(*renderer, trajectory, time_steps);
   run.p99_us = p99(run.rendered.cost_us);
   run.rendered.cost_us.clear();
   run.provenance = build_provenance();

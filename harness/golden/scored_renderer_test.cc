@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <deque>
 
 #include "harness/base/error.h"
 #include "harness/testing/temporary_folder.h"
@@ -80,6 +81,59 @@ TEST_F(ScoredRenderer, ABallIsHeldAgainstCasesOfThatBall) {
   EXPECT_THAT(card.cases[1].problem, HasSubstr("a ball of 0.002 m in radius, the case's of 0 m"));
   EXPECT_TRUE(card.cases[1].skipped);
   EXPECT_EQ(verdict_of(card), renderer_faults::CardVerdict::passed) << renderer_faults::scorecard_to_text(card);
+}
+
+// The god-object in a thread of its own, as an engine may have it: every answer is that of two samples before.
+class Late final : public rendering::Renderer {
+ public:
+  explicit Late(std::unique_ptr<rendering::Renderer> inner) : inner_(std::move(inner)) {}
+
+ private:
+  void do_reset() override {
+    inner_->reset();
+    waiting_.clear();
+  }
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
+    waiting_.push_back(inner_->step(tip));
+    if (waiting_.size() <= 2) return {};
+    const rendering::StepResult answer = waiting_.front();
+    waiting_.pop_front();
+    return answer;
+  }
+  std::unique_ptr<rendering::Renderer> inner_;
+  std::deque<rendering::StepResult> waiting_;
+};
+
+std::shared_ptr<const rendering::RendererEntry> late_by_two(double declared_samples) {
+  rendering::RendererEntry entry = *entry_named("god-object");
+  entry.name = "late-god-object";
+  entry.parameters.push_back({"lag_samples", "1", 0.0, 100.0, declared_samples, "samples by which answers are late"});
+  entry.make = [](const rendering::Parameters& parameters, std::shared_ptr<const surface::Surface> surface) {
+    rendering::Model model =
+        rendering::parse_model(R"({"schema": "touchstone-model/1", "renderer": "god-object"})", "late-god-object");
+    model.parameters["stiffness_N_per_m"] = parameters.at("stiffness_N_per_m");
+    return std::unique_ptr<rendering::Renderer>(
+        std::make_unique<Late>(renderers::make_renderer(model, std::move(surface))));
+  };
+  entry.make_scene = nullptr;
+  return std::make_shared<const rendering::RendererEntry>(entry);
+}
+
+// `check` and the scorecard wait for the answers of a renderer that says how late it is; of one that does not say it
+// the answers of the moving tip count.
+TEST_F(ScoredRenderer, GoldenCasesWaitForAnswersThatAreDeclaredToBeLate) {
+  for (const char* const name : {"plane-taps", "sphere-scan"}) {
+    ScoreRequest request;
+    request.out = folder_.path();
+    const auto on_time = score_case(catalogues(), entry_named("god-object"), request, case_named(name));
+    const auto declared = score_case(catalogues(), late_by_two(2.0), request, case_named(name));
+    EXPECT_EQ(declared.problem, "") << name;
+    EXPECT_TRUE(declared.exact) << name << ": " << declared.max_N << " N";
+    EXPECT_EQ(declared.max_N, on_time.max_N) << name;
+    const auto undeclared = score_case(catalogues(), late_by_two(0.0), request, case_named(name));
+    EXPECT_FALSE(undeclared.exact) << name;
+    EXPECT_GT(undeclared.max_N, declared.max_N) << name;
+  }
 }
 
 // Both know only themselves what they take: a fault, or a case.

@@ -1,6 +1,7 @@
 // Faults of touching: where contact begins and where the contact point is.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -41,10 +42,31 @@ Touch first_touch(const Engine& engine) {
   return {};
 }
 
+// How deep a tip that comes down has a force, which a coarse step of the force may delay.
+double first_force_m(const Engine& engine) {
+  constexpr double step_m = 5e-6;
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), -step_m);
+  for (int i = 0; step_m * i < kLatest_m; ++i) {
+    const double depth_m = step_m * (i + 0.5);
+    if (probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.z() > 0.0) return depth_m;
+  }
+  return kLatest_m;
+}
+
+// On the top of the block, away from its edges.
+double rested_load_N(const Engine& engine) {
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  return probe.press(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.norm();
+}
+
 // At the surface and without a jump, but for the last step and what the engine declares.
 bool within_epsilon(const Engine& engine, const Touch& touch) {
   const double allowed_m = kTouchStep_m + kPlaceRounding_m + engine.epsilon_m;
-  const double most_N = engine.stiffness_N_per_m * allowed_m * (1.0 + engine.friction);
+  // A contact that is stiffer than its author says does not jump for that.
+  const double most_N =
+      std::max(engine.stiffness_N_per_m, rested_load_N(engine) / kDepth_m) * allowed_m * (1.0 + engine.friction);
   return touch.depth_m > 0.0 && touch.depth_m <= allowed_m && touch.force_N <= most_N;
 }
 
@@ -113,6 +135,65 @@ std::optional<Finding> find_late_contact(const Engine& engine) {
       kComingDown, touch.depth_m, "m"};
 }
 
+// Where the tip is neither in nor out, or two surface points are as close: what it is called there must not matter.
+// Free places in the planes and lines of a block's walls, and on them, have no force. On the line that is as deep below
+// the top as behind the side, the answer beside it is right, whichever of the two.
+std::optional<Finding> find_tie_break(const Engine& engine) {
+  const double r = engine.tip_radius_m;
+  const double away_m = 5e-3 + r;
+  const double rounding_N = engine.stiffness_N_per_m * (kPlaceRounding_m + 2.0 * engine.epsilon_m);
+  struct Tie {
+    Vec3 foot;  // the tip is `height` above it
+    Vec3 out;
+    double height_m;
+    const char* name;
+  };
+  const Vec3 x = Vec3::UnitX();
+  const Vec3 z = Vec3::UnitZ();
+  const Vec3 edge(kHalf_m, kPlace.y(), 0.0);
+  const Vec3 corner(kHalf_m, kHalf_m, 0.0);
+  const std::array ties{
+      Tie{edge, x, away_m, "in the plane of the top, beside the block"},
+      Tie{edge, z, away_m, "in the plane of a side, above the block"},
+      Tie{corner, x, away_m, "on the line of an edge, beside the block"},
+      Tie{corner, z, away_m, "on the line of two sides, above the block"},
+      Tie{kPlace, z, r, "on the top"},
+      Tie{edge, z, r, "on an edge"},
+      Tie{corner, z, r, "on a corner"},
+  };
+  for (const Tie& tie : ties) {
+    Probe probe(engine, level_block());
+    constexpr double from_m = 2e-3;
+    for (const double above_m : {from_m, 0.5 * from_m}) probe.to(tie.foot + (tie.height_m + above_m) * tie.out);
+    const Vec3 f_N = probe.to(tie.foot + tie.height_m * tie.out).f_W_N;
+    if (f_N.norm() <= rounding_N) continue;
+    return Finding{"tie-break", fmt::format("exactly {} a free tip has a force of {:.3g} N", tie.name, f_N.norm()),
+                   "a block 40 mm wide, the tip coming from outside", f_N.norm(), "N"};
+  }
+  // Beside it, where the one or the other wall is nearer. For a ball that is the line of a rounded edge.
+  if (r > 0.0) return std::nullopt;
+  const auto behind_side = [&](double further_m) {
+    Probe probe(engine, level_block());
+    return probe.approach({kHalf_m - kDepth_m - further_m, kPlace.y(), 0.0}, z, kDepth_m).f_W_N;
+  };
+  constexpr double beside_m = 1e-6;
+  const Vec3 tie_N = behind_side(0.0);
+  const Vec3 deeper_N = behind_side(beside_m);
+  const Vec3 shallower_N = behind_side(-beside_m);
+  const double off_N = std::min((tie_N - deeper_N).norm(), (tie_N - shallower_N).norm());
+  // Where the force of an edge is rounded it changes by as much as the place, some times over.
+  constexpr double steepest = 4.0;
+  if (off_N <= steepest * engine.stiffness_N_per_m * beside_m + rounding_N) return std::nullopt;
+  return Finding{"tie-break",
+                 fmt::format("as deep below the top as behind the side, the force is ({:.3g}, {:.3g}, {:.3g}) N, and "
+                             "({:.3g}, {:.3g}, {:.3g}) or ({:.3g}, {:.3g}, {:.3g}) N 1 um beside it",
+                             tie_N.x(), tie_N.y(), tie_N.z(), deeper_N.x(), deeper_N.y(), deeper_N.z(), shallower_N.x(),
+                             shallower_N.y(), shallower_N.z()),
+                 fmt::format("a block 40 mm wide, the tip coming down {:g} mm beside an edge, {:g} mm deep",
+                             1e3 * kDepth_m, 1e3 * kDepth_m),
+                 off_N, "N"};
+}
+
 std::optional<Finding> find_untouchable_triangles(const Engine& engine) {
   // Both are the same plane sheet: what is felt must be the same whatever its triangles.
   for (const double unit : {1.0, 1e-3, 1e3}) {
@@ -156,7 +237,7 @@ std::optional<Finding> find_untouchable_triangles(const Engine& engine) {
 std::optional<Finding> find_pops_through_shell(const Engine& engine) {
   constexpr double below_m = 5e-3;
   constexpr double step_m = 2e-5;
-  const double late_m = std::max(engine.epsilon_m, first_touch(engine).depth_m) + 2.0 * step_m;
+  const double late_m = std::max(engine.epsilon_m, first_force_m(engine)) + 2.0 * step_m;
   // What pulls inward everywhere lets nothing through: another detector says so.
   if (!(Probe(engine, level_block()).approach(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.z() > 0.0)) return std::nullopt;
   for (const double thickness_m : {8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5}) {

@@ -4,11 +4,13 @@
 #include <optional>
 
 #include "harness/renderer_faults/diagnosis.h"
+#include "harness/renderer_faults/force_law.h"
 
 namespace touchstone::renderer_faults {
 
 // contact_faults.cc
 std::optional<Finding> find_standoff(const Engine& engine);
+std::optional<Finding> find_tie_break(const Engine& engine);
 std::optional<Finding> find_gap_at_contact(const Engine& engine);
 std::optional<Finding> find_late_contact(const Engine& engine);
 std::optional<Finding> find_untouchable_triangles(const Engine& engine);
@@ -20,6 +22,8 @@ std::optional<Finding> find_sticks_at_joints(const Engine& engine);
 std::optional<Finding> find_jump_between_triangles(const Engine& engine);
 std::optional<Finding> find_friction_lost(const Engine& engine);
 std::optional<Finding> find_ball_at_edge(const Engine& engine);
+// Beside what a map makes of the right force.
+std::optional<Finding> find_ball_at_edge_under(const Engine& engine, const ForceMap& map);
 
 // signal_faults.cc
 std::optional<Finding> find_noise(const Engine& engine);

@@ -1,18 +1,18 @@
 #include "harness/renderer_faults/diagnosis.h"
 
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <map>
-#include <memory>
 #include <utility>
 
 #include "harness/base/error.h"
 #include "harness/renderer_faults/detectors.h"
 #include "harness/renderer_faults/force_law.h"
+#include "harness/renderer_faults/other_engines.h"
 #include "harness/renderer_faults/timing.h"
 
 namespace touchstone::renderer_faults {
-using rendering::Renderer;
 
 namespace {
 
@@ -39,51 +39,30 @@ Detector timing_detector(const std::string& name, const std::string& summary) {
 }
 
 // What a cause does that no map of the force says.
-const std::map<std::string, std::vector<std::string>>& consequences() {
-  static const std::map<std::string, std::vector<std::string>> table{
+using Consequences = std::map<std::string, std::vector<std::string>>;
+const Consequences& consequences() {
+  static const Consequences table{
       {"one-bad-face", {"jump-between-triangles", "energy-gained"}},
-      {"hysteresis", {"energy-gained", "noise", "sticks-at-flat-edges", "sticks-at-joints", "jump-between-triangles"}},
+      {"hysteresis",
+       {"energy-gained", "noise", "sticks-at-flat-edges", "sticks-at-joints", "jump-between-triangles",
+        "ball-at-edge"}},
       {"place-dependent",
-       {"wrong-frame", "sticks-at-flat-edges", "sticks-at-joints", "noise", "energy-gained", "jump-between-triangles"}},
+       {"wrong-frame", "sticks-at-flat-edges", "sticks-at-joints", "noise", "energy-gained", "jump-between-triangles",
+        "ball-at-edge"}},
       {"falls-through-block", {"pops-through-shell", "ball-at-edge"}},
       {"gap-at-contact", {"energy-gained", "ball-at-edge", "friction-lost"}},
   };
   return table;
 }
 
-// Asks again where there is no force, and where it falls from one sample to the next to less than half.
-class AskedAgain final : public Renderer {
- public:
-  AskedAgain(std::unique_ptr<Renderer> inner, double tick_s) : inner_(std::move(inner)), half_tick_s_(0.5 * tick_s) {}
+constexpr std::array kOfAxes{"mirrored-axis", "exchanged-axes", "lost-axis"};
 
- private:
-  void do_reset() override {
-    inner_->reset();
-    last_N_ = 0.0;
-  }
-  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
-    rendering::StepResult result = inner_->step(tip);
-    for (int again = 0; again < 2 && result.f_W_N.norm() <= 0.5 * last_N_; ++again) {
-      rendering::TipState later = tip;
-      later.t_s += half_tick_s_ * (again + 1) / 3.0;
-      result = inner_->step(later);
-    }
-    last_N_ = result.f_W_N.norm();
-    return result;
-  }
-  [[nodiscard]] std::string do_failure() const override { return inner_->failure(); }
-  std::unique_ptr<Renderer> inner_;
-  double half_tick_s_;
-  double last_N_ = 0.0;
-};
-
-Engine asked_again(const Engine& engine) {
-  Engine other = engine;
-  other.make = [make = engine.make, tick_s = 1.0 / engine.rate_Hz](std::shared_ptr<const surface::Surface> surface,
-                                                                   double unit) {
-    return std::unique_ptr<Renderer>(std::make_unique<AskedAgain>(make(std::move(surface), unit), tick_s));
-  };
-  return other;
+// What a force does that turns otherwise than the world: after what explains this by itself.
+const Consequences& consequences_of_frames() {
+  static const Consequences table{
+      {"wrong-frame",
+       {"sticks-at-joints", "sticks-at-flat-edges", "jump-between-triangles", "energy-gained", "ball-at-edge"}}};
+  return table;
 }
 
 // Detectors on one engine, and what their findings follow from. The causes are looked for once, when they are asked
@@ -146,10 +125,11 @@ class Judge {
       finding = detector.find(settled());
     return causes_[detector.name] = std::move(finding);
   }
-  std::optional<Finding> found_cause(const std::string& name) {
+  const std::optional<Finding>& found_cause(const std::string& name) {
+    static const std::optional<Finding> none;
     const Detector& detector = find_detector(name);
     for (const rendering::Ability ability : detector.needs) {
-      if (find_limitation(engine_.cannot, ability) != nullptr) return std::nullopt;
+      if (find_limitation(engine_.cannot, ability) != nullptr) return none;
     }
     return cause(detector);
   }
@@ -190,40 +170,68 @@ class Judge {
   // The cause that shows this fault in a right renderer, too, or must show it.
   std::string origin(const Detector& detector) {
     if (found_cause("dropout") && !detector.find(asked_again(settled()))) return "dropout";
-    for (const auto& [name, follow] : consequences()) {
+    if (detector.name != "one-bad-face" && found_cause("one-bad-face")) {
+      for (const double share : {0.31, 0.5, 0.77}) {
+        if (!detector.find(counted_from(settled(), share))) return "one-bad-face";
+      }
+    }
+    if (auto name = listed_cause(detector, consequences()); !name.empty()) return name;
+    if (auto name = map_that_shows(detector); !name.empty()) return name;
+    return listed_cause(detector, consequences_of_frames());
+  }
+
+  // The first cause of the list that is there and must show this fault.
+  std::string listed_cause(const Detector& detector, const Consequences& list) {
+    for (const auto& [name, follow] : list) {
       if (name != detector.name && std::ranges::find(follow, detector.name) != follow.end() && found_cause(name))
         return name;
     }
+    return "";
+  }
+
+  // The map that found causes say, by their names.
+  std::vector<std::pair<std::string, ForceMap>> found_maps() {
     const ForceFaults& faults = force_faults();
     std::vector<std::pair<std::string, ForceMap>> maps;
     if (faults.axes) {
-      const ForceMap axes = faults.map.axes_alone();
-      for (const char* const name : {"mirrored-axis", "exchanged-axes", "lost-axis"}) {
-        if (!found_cause(name)) continue;
-        const auto undo = axes.inverse();
-        if (undo && name != detector.name && !detector.find(with_map(settled(), *undo))) return name;
-        maps.emplace_back(name, axes);
+      for (const char* const name : kOfAxes) {
+        if (found_cause(name)) maps.emplace_back(name, faults.map.axes_alone());
       }
     }
     if (faults.saturated) {
       ForceMap clipped;
-      clipped.axis_limit_N = faults.map.axis_limit_N;
+      clipped.limited = faults.map.limited;
+      clipped.least_N = faults.map.least_N;
+      clipped.most_N = faults.map.most_N;
       clipped.limit_N = faults.map.limit_N;
       maps.emplace_back("saturation", clipped);
     }
     if (faults.quantised) {
       ForceMap steps;
       steps.step_N = faults.map.step_N;
+      steps.rounding = faults.map.rounding;
       maps.emplace_back("quantised", steps);
     }
-    // A map is no consequence of itself.
+    return maps;
+  }
+
+  std::string map_that_shows(const Detector& detector) {
+    const auto maps = found_maps();
+    // A map is no consequence of itself, nor of another name of the same map.
     if (std::ranges::find(maps, detector.name, &std::pair<std::string, ForceMap>::first) != maps.end()) return "";
+    for (const auto& [name, map] : maps) {
+      const auto undo = map.inverse();
+      if (undo && !detector.find(with_map(settled(), *undo))) return name;
+      if (detector.name == "ball-at-edge" && !find_ball_at_edge_under(settled(), map)) return name;
+    }
+    const auto* const noise = detector.name == "noise" ? nullptr : &found_cause("noise");
+    const bool noisy = noise != nullptr && noise->has_value();
     const Engine right = reference_engine(engine_);
-    if (maps.empty() || detector.find(right)) return "";
+    if ((maps.empty() && !noisy) || detector.find(right)) return "";
     for (const auto& [name, map] : maps) {
       if (detector.find(with_map(right, map))) return name;
     }
-    return "";
+    return noisy && detector.find(with_noise(right, (*noise)->value)) ? "noise" : "";
   }
 
   Engine engine_;
@@ -297,6 +305,11 @@ const std::vector<Detector>& detectors() {
        find_late_contact,
        said},
       {"standoff", "the surface contact point floats above the surface", {surface_contact}, find_standoff},
+      {"tie-break",
+       "exactly in a wall's plane, or between two, another answer than beside it",
+       {},
+       find_tie_break,
+       settled},
       {"noise", "the force changes while the tip rests, or saws while it slides over a plane", {}, find_noise},
       {"state-after-reset",
        "a run after reset() is not the run of a new renderer",

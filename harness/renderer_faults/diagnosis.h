@@ -34,6 +34,7 @@
 //   standoff                the surface contact point floats above the surface
 //   gap-at-contact          contact begins later or earlier than at the surface, or with a jump of force
 //   late-contact            it begins later, by no more than the engine declares: said, and no fault
+//   tie-break               exactly in the plane of a wall, or as deep behind two, another answer than beside it
 //   noise                   the force changes while the tip rests, or saws while it slides over a plane
 //   allocation              a step allocates memory
 //   state-after-reset       a run after reset() is not the run of a new renderer
@@ -47,9 +48,10 @@
 //
 // Findings are causes or follow from one. A finding of a moving tip that is gone once the tip rests follows from the
 // timing, and is no fault if that is none (damping). One that is gone when the map of a cause is undone, or that a
-// right renderer shows, too, once the map is laid upon it, follows from that cause; one that is gone when lost samples
-// are asked again follows from the dropout. What a bad face, a hysteresis and a force that depends on its place must do
-// is listed.
+// right renderer shows, too, once the map or the noise is laid upon it, follows from that cause; one that is gone when
+// lost samples are asked again follows from the dropout, and one that is gone when the triangles are counted from
+// another one, from the bad face. What a bad face, a hysteresis, a force that depends on its place and one that turns
+// otherwise than the world must do is listed.
 //
 // Lengths are those of the world at unit 1 (a block 40 mm wide). Detectors allocate and take milliseconds to seconds.
 #pragma once

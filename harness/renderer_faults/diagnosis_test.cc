@@ -48,6 +48,12 @@ std::vector<Fault> faults() {
        [](auto& r, auto&, auto&) {
          r.f_W_N = {0, 0, r.f_W_N.norm()};
        }},
+      {"NothingBetweenTwoWalls",
+       "tie-break",
+       {},
+       [](auto& r, auto& tip, auto&) {
+         if (r.contact && std::abs(0.02 - tip.p_W_m.x() + tip.p_W_m.z()) < 1e-12) nothing_there(r, tip);
+       }},
       // A wall that nobody sees where a joint is: the force of a proxy that stays behind.
       {"SticksAtZero",
        "sticks-at-joints",

@@ -8,16 +8,13 @@
 #include <cmath>
 #include <set>
 
-#include "harness/base/random.h"
 #include "harness/renderer_faults/diagnosis.h"
-#include "harness/renderer_faults/planted_fault_for_test.h"
+#include "harness/renderer_faults/planted_faults_for_test.h"
 #include "harness/renderer_faults/probe.h"
 
 namespace touchstone::renderer_faults {
 using rendering::Ability;
 using rendering::Renderer;
-using rendering::StepResult;
-using rendering::TipState;
 using surface::Surface;
 
 namespace {
@@ -77,223 +74,6 @@ Engine right(const std::string& renderer, double rate_Hz = 1000.0) {
   return engine;
 }
 
-// A step's answer is free again where it was not in contact then.
-void at_this_tip(StepResult& result, const TipState& tip) {
-  if (!result.contact) result.contact_W_m = tip.p_W_m;
-}
-
-Fault held(double period) {
-  return {fmt::format("held for {:g}", period), "held-answer", {}, [period](auto& r, auto& tip, auto& m) {
-            const auto now = static_cast<double>(m.since_reset);
-            const bool update = std::floor(now / period) != std::floor((now - 1.0) / period);
-            if (update || m.since_reset == 0) m.kept = r;
-            r = m.kept;
-            at_this_tip(r, tip);
-          }};
-}
-
-Fault late(std::size_t lag) {
-  return {fmt::format("late by {}", lag), "delay", {}, [lag](auto& r, auto& tip, auto& m) {
-            m.past.push_back(r);
-            r = m.past.size() > lag ? m.past[m.past.size() - 1 - lag] : StepResult{};
-            if (m.past.size() > 2 * lag + 2) m.past.pop_front();
-            at_this_tip(r, tip);
-          }};
-}
-
-// One in every so many answers is that of the sample before.
-Fault alternate(std::size_t period) {
-  return {fmt::format("one in {} late", period), "alternate-lag", {}, [period](auto& r, auto& tip, auto& m) {
-            const StepResult now = r;
-            if (m.since_reset % period == 1) r = m.kept;
-            at_this_tip(r, tip);
-            m.kept = now;
-          }};
-}
-
-// The contact point of the sample before, the spring to the tip of now.
-Fault alternate_contact() {
-  return {"contact point late in turns", "alternate-lag", {}, [](auto& r, auto& tip, auto& m) {
-            const StepResult now = r;
-            if (m.since_reset % 2 == 1) {
-              r = m.kept;
-              if (r.contact) r.f_W_N = 500.0 / m.unit * (r.contact_W_m - tip.p_W_m);
-              at_this_tip(r, tip);
-            }
-            m.kept = now;
-          }};
-}
-
-// One in so many answers, at random, is that of the sample before.
-Fault now_and_then(std::uint64_t one_in) {
-  return {fmt::format("one in {} late at random", one_in), "jitter", {}, [one_in](auto& r, auto& tip, auto& m) {
-            const StepResult now = r;
-            if (Random(5 + m.since_reset).below(one_in) == 0 && m.since_reset > 0) r = m.kept;
-            at_this_tip(r, tip);
-            m.kept = now;
-          }};
-}
-
-Fault irregular() {
-  return {"late at random", "jitter", {}, [](auto& r, auto& tip, auto& m) {
-            m.past.push_back(r);
-            if (m.past.size() > 6) m.past.pop_front();
-            const std::size_t lag = Random(m.since_reset).below(4);
-            r = m.past[m.past.size() - 1 - std::min(lag, m.past.size() - 1)];
-            at_this_tip(r, tip);
-          }};
-}
-
-Fault filtered(double time_constant_s) {
-  return {fmt::format("filtered by {:g} s", time_constant_s), "filter", {}, [=](auto& r, auto& tip, auto& m) {
-            const double share = -std::expm1(-(tip.t_s - m.last_t_s) / time_constant_s);
-            m.kept.f_W_N += (m.since_reset == 0 ? 1.0 : share) * (r.f_W_N - m.kept.f_W_N);
-            if (!r.contact) m.kept.f_W_N.setZero();
-            r.f_W_N = m.kept.f_W_N;
-          }};
-}
-
-Fault slow_rise(double per_sample_N) {
-  return {fmt::format("changes by {:g} N at most", per_sample_N), "clipped-rate", {}, [=](auto& r, auto&, auto& m) {
-            const Vec3 change = r.f_W_N - m.kept.f_W_N;
-            if (change.norm() > per_sample_N) r.f_W_N = m.kept.f_W_N + per_sample_N * change.normalized();
-            m.kept.f_W_N = r.f_W_N;
-          }};
-}
-
-Fault mapped(const std::string& name, const std::string& caught_by, const std::function<Vec3(const Vec3&)>& map) {
-  return {name, caught_by, {}, [map](auto& r, auto&, auto&) { r.f_W_N = map(r.f_W_N); }};
-}
-
-Fault clipped_by_axis(double limit_N) {
-  return mapped(fmt::format("clipped at {:g} N by axis", limit_N), "saturation",
-                [=](const Vec3& f) { return Vec3(f.cwiseMax(-limit_N).cwiseMin(limit_N)); });
-}
-
-Fault in_steps(double step_N) {
-  return mapped(fmt::format("in steps of {:g} N", step_N), "quantised",
-                [=](const Vec3& f) { return Vec3(step_N * (f / step_N).array().round().matrix()); });
-}
-
-Fault less_on_release(double share, bool also_at_rest) {
-  return {fmt::format("{:g} less on release{}", share, also_at_rest ? ", and at rest" : ""),
-          "hysteresis",
-          {},
-          [=](auto& r, auto&, auto& m) {
-            constexpr double same_m = 1e-13;
-            const double before_m = m.kept.depth_m;
-            m.kept.depth_m = r.depth_m;
-            if (r.depth_m > before_m + same_m * m.unit || !r.contact) m.figure = 0.0;
-            if (r.depth_m < before_m - same_m * m.unit) m.figure = share;
-            if (!also_at_rest && std::abs(r.depth_m - before_m) <= same_m * m.unit) m.figure = 0.0;
-            r.f_W_N *= 1.0 - m.figure;
-          }};
-}
-
-Fault drops_out(std::uint64_t one_in) {
-  return {fmt::format("1 of {} dropped", one_in), "dropout", {}, [=](auto& r, auto& tip, auto& m) {
-            if (Random(77 + m.steps).below(one_in) == 0) nothing_there(r, tip);
-          }};
-}
-
-// Of one face of a ball of 2048, as many as its index says; no other body has as many.
-Fault bad_face(std::int32_t face, double factor) {
-  return {fmt::format("face {} times {:g}", face, factor), "one-bad-face", {}, [=](auto& r, auto&, auto& m) {
-            if (r.contact && m.surface->closest(r.contact_W_m).triangle == face) r.f_W_N *= factor;
-          }};
-}
-
-double damped_N(const StepResult& r, const TipState& tip, const Memory& m, double coefficient) {
-  if (!r.contact || m.since_reset == 0) return 0.0;
-  return -coefficient * r.n_W.dot(tip.p_W_m - m.last_tip) / m.unit / (tip.t_s - m.last_t_s);
-}
-
-Fault damper(double coefficient_N_s_per_m) {
-  return {fmt::format("damped by {:g} N s/m", coefficient_N_s_per_m), "", {}, [=](auto& r, auto& tip, auto& m) {
-            const double all_N = r.f_W_N.dot(r.n_W);
-            if (r.contact) r.f_W_N += std::max(-all_N, damped_N(r, tip, m, coefficient_N_s_per_m)) * r.n_W;
-          }};
-}
-
-std::vector<Fault> of_the_force() {
-  std::vector<Fault> list{
-      late(1),
-      late(3),
-      late(8),
-      held(16),
-      held(1000.0 / 60.0),
-      held(4),
-      alternate(5),
-      alternate(50),
-      alternate(3),
-      irregular(),
-      now_and_then(80),
-      filtered(1e-3),
-      filtered(5e-3),
-      slow_rise(0.05),
-      slow_rise(0.4),
-      mapped("x mirrored", "mirrored-axis", [](const Vec3& f) { return Vec3(-f.x(), f.y(), f.z()); }),
-      mapped("positive y mirrored", "mirrored-axis",
-             [](const Vec3& f) { return Vec3(f.x(), -std::abs(f.y()), f.z()); }),
-      mapped("inverted", "mirrored-axis", [](const Vec3& f) { return Vec3(-f); }),
-      mapped("y and z exchanged", "exchanged-axes", [](const Vec3& f) { return Vec3(f.x(), f.z(), f.y()); }),
-      mapped("x, y and z in turn", "exchanged-axes", [](const Vec3& f) { return Vec3(f.z(), f.x(), f.y()); }),
-      mapped("y lost", "lost-axis", [](const Vec3& f) { return Vec3(f.x(), 0.0, f.z()); }),
-      clipped_by_axis(3.0),
-      clipped_by_axis(0.7),
-      mapped("clipped at 4 N", "saturation", [](const Vec3& f) { return Vec3(f * std::min(1.0, 4.0 / f.norm())); }),
-      in_steps(0.02),
-      in_steps(0.005),
-      less_on_release(0.05, true),
-      less_on_release(0.03, false),
-      drops_out(4000),
-      drops_out(300),
-      bad_face(1234, -1.0),
-      bad_face(777, 0.0),
-      bad_face(499, 1.5)};
-  list.push_back({"stiffer to the right", "place-dependent", {}, [](auto& r, auto& tip, auto& m) {
-                    r.f_W_N *= std::exp(10.0 * tip.p_W_m.x() / m.unit);
-                  }});
-  list.push_back({"softer above", "place-dependent", {}, [](auto& r, auto& tip, auto& m) {
-                    r.f_W_N *= 1.0 - 2.0 * tip.p_W_m.z() / m.unit;
-                  }});
-  list.push_back({"scaled by the time of a sample", "rate-dependent", {}, [](auto& r, auto& tip, auto& m) {
-                    if (m.since_reset > 0) r.f_W_N *= std::pow((tip.t_s - m.last_t_s) / 1e-3, 0.25);
-                  }});
-  list.push_back({"damped by the sample", "rate-dependent", {}, [](auto& r, auto& tip, auto& m) {
-                    r.f_W_N += damped_N(r, tip, m, 50.0) * (tip.t_s - m.last_t_s) * r.n_W;
-                  }});
-  list.push_back({"lingers for a sample", "gap-at-contact", {}, [](auto& r, auto&, auto& m) {
-                    const StepResult now = r;
-                    if (!r.contact && m.kept.contact) r.f_W_N = 0.2 * m.kept.f_W_N;
-                    m.kept = now;
-                  }});
-  list.push_back({"doubles the depth it gives", "standoff", {}, [](auto& r, auto&, auto&) { r.depth_m *= 2.0; }});
-  list.push_back({"constant force", "gap-at-contact", {}, [](auto& r, auto&, auto&) {
-                    if (r.contact) r.f_W_N = 5.0 * r.n_W;
-                  }});
-  list.push_back({"lost 2.5 mm deep", "falls-through-block", {}, [](auto& r, auto& tip, auto& m) {
-                    if (r.depth_m > 2.5e-3 * m.unit) nothing_there(r, tip);
-                  }});
-  return list;
-}
-
-// Where its normal turns by more than 0.2 rad from sample to sample, it does so 12 samples later.
-Fault hangs_behind() {
-  return {"hangs behind at edges", "ball-at-edge", {}, [](auto& r, auto& tip, auto& m) {
-            constexpr double wait = 12.0;
-            const bool turned = r.contact && m.kept.contact && r.n_W.dot(m.kept.n_W) < 0.98;
-            m.figure = turned ? m.figure + 1.0 : 0.0;
-            if (!turned || m.figure > wait) {
-              m.kept = r;
-              m.figure = 0.0;
-              return;
-            }
-            r = m.kept;
-            r.f_W_N = 500.0 / m.unit * (r.contact_W_m - tip.p_W_m);
-          }};
-}
-
 std::vector<std::string> engine_names() { return {"penalty", "god-object", "ball", "friction-cone"}; }
 
 class FaultMatrix : public ::testing::TestWithParam<std::string> {};
@@ -323,17 +103,32 @@ TEST_P(FaultMatrix, FaultsAreNamed) {
   EXPECT_GE(20 * named, 19 * tried);
 }
 
+// One map of the axes has two names, as where z is up in one world and y in the other: both, and none follows.
+TEST(FaultPairs, ATurnOfTheAxesIsAnExchangeAndAMirror) {
+  const Fault up{"y up", "", {}, [](auto& r, auto&, auto&) { r.f_W_N = Vec3(r.f_W_N.x(), -r.f_W_N.z(), r.f_W_N.y()); }};
+  for (const char* const renderer : {"god-object", "friction-cone"}) {
+    const Engine engine = planted(right(renderer), up);
+    EXPECT_EQ(causes_of(engine), (Names{"exchanged-axes", "mirrored-axis"})) << sentences_of(engine);
+  }
+}
+
 // The commonest engine of all: its physics runs at 60 Hz. That is named, and the other fault too.
 TEST(FaultPairs, OfTwoFaultsBothAreNamed) {
-  std::vector<std::pair<Fault, Fault>> pairs{{less_on_release(0.05, true), late(2)},
-                                             {bad_face(777, -1.0), held(8)},
-                                             {clipped_by_axis(2.0), drops_out(2000)},
-                                             {in_steps(0.01), late(1)},
-                                             {bad_face(777, -1.0), clipped_by_axis(3.0)}};
+  std::vector<std::pair<Fault, Fault>> pairs{
+      {less_on_release(0.05, true), late(2)},
+      {bad_face(777, -1.0), held(8)},
+      {clipped_by_axis(2.0), drops_out(2000)},
+      {in_steps(0.01), late(1)},
+      {bad_face(777, -1.0), clipped_by_axis(3.0)},
+      {mapped("z lost", "lost-axis", [](const Vec3& f) { return Vec3(f.x(), f.y(), 0.0); }), held(16)}};
   const Names slower{"delay", "held-answer", "alternate-lag", "jitter", "filter", "clipped-rate", "dropout"};
   // What shows in motion or at contact alone is hidden by an answer that is held.
-  const Names moving{less_on_release(0.03, false).name, "damped by the sample", "lingers for a sample",
-                     "constant force"};
+  const Names moving{less_on_release(0.03, false).name,
+                     "damped by the sample",
+                     "lingers for a sample",
+                     "constant force",
+                     "white noise",
+                     "a hum"};
   for (const Fault& fault : of_the_force()) {
     if (!slower.contains(fault.caught_by) && !moving.contains(fault.name))
       pairs.emplace_back(fault, held(1000.0 / 60.0));
@@ -380,6 +175,52 @@ TEST(FaultPairs, LateContactWithinTheDeclaredEpsilonIsSaid) {
   EXPECT_EQ(causes_of(engine), Names{"gap-at-contact"}) << sentences_of(engine);
 }
 
+// Laws of contact that are no faults: damping that grows with the depth (Hunt and Crossley 1975), Hertz, relaxation.
+std::vector<Fault> other_laws() {
+  return {{"Hunt-Crossley",
+           "",
+           {},
+           [](auto& r, auto& tip, auto& m) {
+             if (!r.contact || m.since_reset == 0) return;
+             const double in_m_per_s = -r.n_W.dot(tip.p_W_m - m.last_tip) / m.unit / (tip.t_s - m.last_t_s);
+             r.f_W_N *= std::max(0.0, 1.0 + 0.6 * in_m_per_s);
+           }},
+          {"Hertz", "", {}, [](auto& r, auto&, auto& m) { r.f_W_N *= std::sqrt(r.depth_m / m.unit / 0.02); }},
+          {"relaxing", "", {}, [](auto& r, auto& tip, auto& m) {
+             const double depth_m = r.contact ? r.depth_m / m.unit : 0.0;
+             constexpr double k_N_per_m = 150.0;
+             constexpr double time_constant_s = 0.03;
+             m.figure += k_N_per_m * (depth_m - m.kept.depth_m);
+             m.figure = m.since_reset == 0 ? 0.0 : m.figure * std::exp(-(tip.t_s - m.last_t_s) / time_constant_s);
+             m.kept.depth_m = depth_m;
+             if (r.contact) r.f_W_N += std::max(m.figure, -r.f_W_N.dot(r.n_W)) * r.n_W;
+           }}};
+}
+
+// Lengths below its epsilon are nothing to an engine that says so: moves, and where the contact point lies.
+TEST_P(FaultMatrix, NothingIsNamedThatIsBelowTheDeclaredEpsilon) {
+  for (const double epsilon_m : {2e-6, 8e-5}) {
+    Fault moves{"small moves are none", ""};
+    moves.before = [epsilon_m](TipState& tip, Memory& m) {
+      Vec3& last = m.kept.contact_W_m;
+      if (m.since_reset == 0 || (tip.p_W_m - last).norm() >= epsilon_m * m.unit) last = tip.p_W_m;
+      tip.p_W_m = last;
+    };
+    const Fault off{"contact points are off", "", {}, [epsilon_m](auto& r, auto&, auto& m) {
+                      if (!r.contact) return;
+                      const Vec3 by_m = 0.5 * epsilon_m * Random(m.steps).direction();
+                      r.f_W_N += 500.0 * by_m;
+                      r.contact_W_m += m.unit * (by_m - 2.0 * std::min(0.0, by_m.dot(r.n_W)) * r.n_W);
+                    }};
+    for (const Fault& fault : {moves, off}) {
+      Engine engine = planted(right(GetParam()), fault);
+      engine.epsilon_m = epsilon_m;
+      EXPECT_THAT(causes_of(engine), ::testing::IsEmpty()) << fault.name << ", " << epsilon_m << " m\n"
+                                                           << sentences_of(engine);
+    }
+  }
+}
+
 // Lengths of its own world are millimetres.
 class InMillimetres final : public Renderer {
  public:
@@ -410,10 +251,17 @@ TEST_P(FaultMatrix, NothingIsNamedInARightEngine) {
           << coefficient_N_s_per_m << " N s/m at " << rate_Hz << " Hz\n"
           << sentences_of(damped);
     }
-    Engine one_late = planted(engine, late(1));
-    one_late.lag_samples = 1;
-    EXPECT_THAT(causes_of(one_late), ::testing::IsEmpty()) << "declared, at " << rate_Hz << " Hz\n"
-                                                           << sentences_of(one_late);
+    for (const Engine& inner : {engine, planted(engine, damper(0.05))}) {
+      Engine one_late = planted(inner, late(1));
+      one_late.lag_samples = 1;
+      EXPECT_THAT(causes_of(one_late), ::testing::IsEmpty()) << "declared, at " << rate_Hz << " Hz\n"
+                                                             << sentences_of(one_late);
+    }
+    for (const Fault& law : other_laws()) {
+      const Engine other = planted(engine, law);
+      EXPECT_THAT(causes_of(other), ::testing::IsEmpty()) << law.name << " at " << rate_Hz << " Hz\n"
+                                                          << sentences_of(other);
+    }
   }
   Engine millimetres = right(GetParam());
   millimetres.make = [inner = millimetres](const std::shared_ptr<const Surface>& surface, double unit) {

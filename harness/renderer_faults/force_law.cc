@@ -129,6 +129,13 @@ std::vector<ForceMap> axis_maps() {
     half.positive[a] = 0.0;
     maps.push_back(half);
   }
+  // All but one.
+  for (int kept = 0; kept < 3; ++kept) {
+    ForceMap lost;
+    lost.from = {-1, -1, -1};
+    lost.from[static_cast<std::size_t>(kept)] = kept;
+    maps.push_back(lost);
+  }
   ForceMap strongest;
   strongest.strongest_only = true;
   maps.push_back(strongest);
@@ -154,22 +161,106 @@ std::vector<Law> laws_of(const Engine& engine, const std::vector<Reading>& readi
   return laws;
 }
 
-// Limits at which the readings could saturate: the largest that came.
-ForceMap saturated(const std::vector<Reading>& readings, ForceMap map, bool by_axis) {
-  double most_N = 0.0;
-  for (const Reading& one : readings)
-    most_N = std::max(most_N, by_axis ? one.f_N.cwiseAbs().maxCoeff() : one.f_N.norm());
-  (by_axis ? map.axis_limit_N : map.limit_N) = most_N;
+// The map with the limits of components along these axes that the readings could have: the largest that came, where the
+// right force is above it. No axis but the first is limited if `first_alone`.
+ForceMap limited_along(const std::vector<Reading>& readings, const Law& law, ForceMap map, const Mat3& axes,
+                       bool first_alone) {
+  const ForceMap right = map;
+  map.limited = axes;
+  for (Eigen::Index a = 0; a < (first_alone ? 1 : 3); ++a) {
+    double least_N = 0.0;
+    double most_N = 0.0;
+    double right_least_N = 0.0;
+    double right_most_N = 0.0;
+    for (const Reading& one : readings) {
+      const double came_N = axes.row(a).dot(one.f_N);
+      const double expected_N = axes.row(a).dot(right(law(one.depth_m) * one.n));
+      least_N = std::min(least_N, came_N);
+      most_N = std::max(most_N, came_N);
+      right_least_N = std::min(right_least_N, expected_N);
+      right_most_N = std::max(right_most_N, expected_N);
+    }
+    constexpr double clearly = 1.02;
+    if (right_least_N < clearly * least_N) map.least_N[a] = least_N;
+    if (right_most_N > clearly * most_N) map.most_N[a] = most_N;
+  }
   return map;
 }
 
+// By magnitude.
+ForceMap limited_in_all(const std::vector<Reading>& readings, ForceMap map) {
+  map.limit_N = 0.0;
+  for (const Reading& one : readings) map.limit_N = std::max(map.limit_N, one.f_N.norm());
+  return map;
+}
+
+// The directions in which force is missing, without their signs, those of most readings first: where one component
+// alone is limited, that of its axis.
+std::vector<Vec3> missing_directions(const std::vector<Reading>& readings, const Law& law, const ForceMap& map) {
+  struct Direction {
+    Vec3 along;
+    int readings = 0;
+  };
+  std::vector<Direction> found;
+  for (const Reading& one : readings) {
+    const Vec3 expected = map(law(one.depth_m) * one.n);
+    const Vec3 missing = expected - one.f_N;
+    constexpr double clearly = 0.02;
+    if (!(missing.norm() > clearly * expected.norm())) continue;
+    const Vec3 along = missing.normalized();
+    constexpr double same = 0.9998;  // the cosine of a degree
+    const auto known =
+        std::ranges::find_if(found, [&](const Direction& d) { return std::abs(d.along.dot(along)) > same; });
+    if (known == found.end()) {
+      found.push_back({along, 1});
+    } else {
+      ++known->readings;
+    }
+  }
+  std::ranges::stable_sort(found, std::ranges::greater{}, &Direction::readings);
+  constexpr std::size_t most = 40;
+  std::vector<Vec3> directions;
+  for (std::size_t i = 0; i < std::min(most, found.size()); ++i) directions.push_back(found[i].along);
+  return directions;
+}
+
+// Saturations that the readings could have: the simplest first.
+std::vector<ForceMap> saturations(const std::vector<Reading>& readings, const Law& law, const ForceMap& axes) {
+  std::vector<ForceMap> maps{limited_along(readings, law, axes, Mat3::Identity(), false),
+                             limited_in_all(readings, axes)};
+  const auto directions = missing_directions(readings, law, axes);
+  const auto frame_of = [](const Vec3& first, const Vec3& second) -> Mat3 {
+    Mat3 frame;
+    frame.row(0) = first;
+    frame.row(1) = (second - second.dot(first) * first).normalized();
+    frame.row(2) = first.cross(Vec3(frame.row(1))).normalized();
+    return frame;
+  };
+  for (const Vec3& one : directions)
+    maps.push_back(limited_along(readings, law, axes, frame_of(one, one.unitOrthogonal()), true));
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    for (std::size_t j = i + 1; j < directions.size(); ++j) {
+      constexpr double upright = 0.02;
+      if (std::abs(directions[i].dot(directions[j])) < upright)
+        maps.push_back(limited_along(readings, law, axes, frame_of(directions[i], directions[j]), false));
+    }
+  }
+  return maps;
+}
+
 // The largest step of which every component that came is a multiple; 0: there is none.
-double common_step_N(const std::vector<Reading>& readings, double limit_N) {
+double common_step_N(const std::vector<Reading>& readings, const ForceMap& map) {
+  const auto at_limit = [&](Eigen::Index axis, double part) {
+    constexpr double same = 1e-9;
+    return std::abs(part - map.least_N[axis]) <= same * std::abs(part) ||
+           std::abs(part - map.most_N[axis]) <= same * std::abs(part) || std::abs(part) >= (1.0 - same) * map.limit_N;
+  };
   std::vector<double> parts_N;
   for (const Reading& one : readings) {
-    for (const double part : one.f_N) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
       // What is cut off stands at the limit, not on a step.
-      if (std::abs(part) > 1e-9 && std::abs(part) < (1.0 - 1e-9) * limit_N) parts_N.push_back(std::abs(part));
+      if (const double part = one.f_N[axis]; std::abs(part) > 1e-9 && !at_limit(axis, part))
+        parts_N.push_back(std::abs(part));
     }
   }
   if (parts_N.size() < 20) return 0.0;
@@ -203,14 +294,16 @@ class Mapped final : public Renderer {
 
 class ClosestPoint final : public Renderer {
  public:
-  ClosestPoint(std::shared_ptr<const Surface> surface, double stiffness_N_per_m, double radius_m)
-      : surface_(std::move(surface)), stiffness_N_per_m_(stiffness_N_per_m), radius_m_(radius_m) {}
+  ClosestPoint(std::shared_ptr<const Surface> surface, double stiffness_N_per_m, double radius_m, double friction)
+      : surface_(std::move(surface)), stiffness_N_per_m_(stiffness_N_per_m), radius_m_(radius_m), friction_(friction) {}
 
  private:
-  void do_reset() override {}
+  void do_reset() override { before_W_m_.reset(); }
   StepResult do_step(const rendering::TipState& tip) noexcept override {
     StepResult result;
     result.contact_W_m = tip.p_W_m;
+    const Vec3 move = tip.p_W_m - before_W_m_.value_or(tip.p_W_m);
+    before_W_m_ = tip.p_W_m;
     const surface::SurfacePoint foot = surface_->closest(tip.p_W_m);
     const double depth_m = radius_m_ - foot.signed_distance_m;
     if (!(depth_m > 0.0)) return result;
@@ -220,11 +313,18 @@ class ClosestPoint final : public Renderer {
     result.contact_W_m = tip.p_W_m + depth_m * result.n_W;
     result.f_W_N = stiffness_N_per_m_ * depth_m * result.n_W;
     result.contact = true;
+    // Against what moves along the surface, rounding aside.
+    const Vec3 along = move - move.dot(result.n_W) * result.n_W;
+    constexpr double rounding = 1e-6;
+    if (friction_ > 0.0 && along.norm() > rounding * depth_m)
+      result.f_W_N -= friction_ * stiffness_N_per_m_ * depth_m * along.normalized();
     return result;
   }
   std::shared_ptr<const Surface> surface_;
   double stiffness_N_per_m_;
   double radius_m_;
+  double friction_;
+  std::optional<Vec3> before_W_m_;
 };
 
 }  // namespace
@@ -234,18 +334,28 @@ Vec3 ForceMap::operator()(const Vec3& f) const {
   for (std::size_t a = 0; a < 3; ++a) {
     const auto i = static_cast<Eigen::Index>(a);
     const double part = from[a] < 0 ? 0.0 : f[from[a]];
-    out[i] = std::clamp(part * (part > 0.0 ? positive[a] : negative[a]), -axis_limit_N, axis_limit_N);
+    out[i] = part * (part > 0.0 ? positive[a] : negative[a]);
   }
   if (strongest_only) {
     Eigen::Index strongest = 0;
     out.cwiseAbs().maxCoeff(&strongest);
     out = Vec3(out[strongest] * Vec3::Unit(strongest));
   }
+  if (limits_components()) out = limited.transpose() * (limited * out).cwiseMax(least_N).cwiseMin(most_N);
   if (const double size_N = out.norm(); size_N > limit_N) out *= limit_N / size_N;
   if (step_N > 0.0) {
-    for (double& part : out) part = step_N * std::round(part / step_N);
+    for (double& part : out) {
+      const double steps = part / step_N;
+      part = step_N * (rounding == Rounding::nearest        ? std::round(steps)
+                       : rounding == Rounding::towards_zero ? std::trunc(steps)
+                                                            : std::floor(steps));
+    }
   }
   return out;
+}
+
+bool ForceMap::limits_components() const {
+  return std::isfinite(least_N.maxCoeff()) || std::isfinite(most_N.minCoeff());
 }
 
 ForceMap ForceMap::axes_alone() const {
@@ -303,8 +413,7 @@ ForceFaults identify_force_map(const Engine& engine) {
   }
   faults.map = axes;
   double now_off = best_law(axes, all_N);
-  for (const bool by_axis : {true, false}) {
-    const ForceMap map = saturated(readings, axes, by_axis);
+  for (const ForceMap& map : saturations(readings, law, axes)) {
     const double with = best_law(map, all_N);
     if (!explains(with, now_off)) continue;
     now_off = with;
@@ -312,12 +421,15 @@ ForceFaults identify_force_map(const Engine& engine) {
     faults.saturated = true;
   }
   ForceMap stepped = faults.map;
-  stepped.step_N = common_step_N(readings, std::min(faults.map.axis_limit_N, faults.map.limit_N));
+  stepped.step_N = common_step_N(readings, faults.map);
   if (stepped.step_N > 0.0) {
-    const double with = best_law(stepped, all_N);
-    constexpr double least = 2e-3;
-    if (const double without = best_law(faults.map, all_N); without > least && with < 0.3 * without) {
-      now_off = with;
+    double without = best_law(faults.map, all_N);
+    for (const Rounding rounding : {Rounding::nearest, Rounding::towards_zero, Rounding::down}) {
+      stepped.rounding = rounding;
+      constexpr double least = 2e-3;
+      const double with = best_law(stepped, all_N);
+      if (!(without > least && with < 0.3 * without)) continue;
+      now_off = without = with;
       faults.map = stepped;
       faults.quantised = true;
     }
@@ -336,13 +448,12 @@ Engine with_map(const Engine& engine, const ForceMap& map) {
 
 Engine reference_engine(const Engine& like) {
   Engine reference = like;
-  reference.friction = 0.0;
   reference.epsilon_m = 0.0;
   reference.settle_samples = 0;
   reference.allocations = {};
-  reference.make = [k = like.stiffness_N_per_m, r = like.tip_radius_m](std::shared_ptr<const Surface> surface,
-                                                                       double unit) {
-    return std::unique_ptr<Renderer>(std::make_unique<ClosestPoint>(std::move(surface), k / unit, r * unit));
+  reference.make = [k = like.stiffness_N_per_m, r = like.tip_radius_m, friction = like.friction](
+                       std::shared_ptr<const Surface> surface, double unit) {
+    return std::unique_ptr<Renderer>(std::make_unique<ClosestPoint>(std::move(surface), k / unit, r * unit, friction));
   };
   return reference;
 }

@@ -1,9 +1,11 @@
 // Faults of the settled force: what it makes of the right one, and what else it depends on.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "harness/renderer_faults/detectors.h"
@@ -116,24 +118,47 @@ std::optional<Finding> find_lost_axis(const Engine& engine) {
 std::optional<Finding> find_saturation(const Engine& engine) {
   const ForceFaults faults = identify_force_map(engine);
   if (!faults.saturated) return std::nullopt;
-  const bool by_axis = std::isfinite(faults.map.axis_limit_N);
-  const double limit_N = by_axis ? faults.map.axis_limit_N : faults.map.limit_N;
-  return Finding{"saturation",
-                 by_axis
-                     ? fmt::format("no component of the force exceeds {:.4g} N: clipped axis by axis, it turns away "
-                                   "from the normal",
-                                   limit_N)
-                     : fmt::format("the force never exceeds {:.4g} N", limit_N),
-                 kTurnedBlocks, limit_N, "N"};
+  const ForceMap& map = faults.map;
+  if (!map.limits_components())
+    return Finding{"saturation", fmt::format("the force never exceeds {:.4g} N", map.limit_N), kTurnedBlocks,
+                   map.limit_N, "N"};
+  const bool turned = !map.limited.isIdentity();
+  std::vector<std::string> limits;
+  double lowest_N = kNoLimit_N;
+  double highest_N = 0.0;
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    const Vec3 axis = map.limited.row(a);
+    const std::string name = turned ? fmt::format("({:.3g}, {:.3g}, {:.3g})", axis.x(), axis.y(), axis.z())
+                                    : axis_name(static_cast<std::size_t>(a));
+    for (const double sign : {1.0, -1.0}) {
+      const double limit_N = sign > 0.0 ? map.most_N[a] : -map.least_N[a];
+      if (!std::isfinite(limit_N)) continue;
+      lowest_N = std::min(lowest_N, limit_N);
+      highest_N = std::max(highest_N, limit_N);
+      limits.push_back(fmt::format("{:.4g} N along {}{}", limit_N, sign > 0.0 ? "" : "-", name));
+    }
+  }
+  constexpr std::size_t all = 6;
+  const bool same = limits.size() == all && highest_N < 1.001 * lowest_N;
+  return Finding{
+      "saturation",
+      (same ? fmt::format("no component of the force exceeds {:.4g} N{}", lowest_N,
+                          turned ? fmt::format(", along the axes of a turned frame ({})", fmt::join(limits, ", ")) : "")
+            : fmt::format("the force never exceeds {}", fmt::join(limits, ", "))) +
+          ": clipped axis by axis, it turns away from the normal",
+      kTurnedBlocks, lowest_N, "N"};
 }
 
 std::optional<Finding> find_quantised(const Engine& engine) {
   const ForceFaults faults = identify_force_map(engine);
   if (!faults.quantised) return std::nullopt;
-  return Finding{
-      "quantised",
-      fmt::format("each component of the force is a multiple of {:.4g} N", faults.map.step_N) + off_sentence(faults),
-      kTurnedBlocks, faults.map.step_N, "N"};
+  return Finding{"quantised",
+                 fmt::format("each component of the force is a multiple of {:.4g} N{}", faults.map.step_N,
+                             faults.map.rounding == Rounding::nearest        ? ""
+                             : faults.map.rounding == Rounding::towards_zero ? ", cut off towards 0"
+                                                                             : ", cut off downwards") +
+                     off_sentence(faults),
+                 kTurnedBlocks, faults.map.step_N, "N"};
 }
 
 std::optional<Finding> find_place_dependent(const Engine& engine) {
@@ -215,7 +240,10 @@ std::optional<Finding> find_hysteresis(const Engine& engine) {
   constexpr double slow_m_per_s = 0.01;
   const double step_m = slow_m_per_s / engine.rate_Hz;
   const double epsilon = 2.0 * engine.epsilon_m / 5e-4;
-  double share = release_share(engine, 2e-5);
+  // In coarse and in fine steps: what swings by itself is no hysteresis.
+  const double coarse = release_share(engine, 2e-5);
+  const double fine = release_share(engine, 5e-6);
+  double share = std::abs(fine) < std::abs(coarse) ? fine : coarse;
   bool at_rest = true;
   constexpr int no_memory = 2;
   if (std::abs(share) <= least + epsilon && engine.settle_samples <= no_memory) {

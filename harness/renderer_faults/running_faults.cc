@@ -131,11 +131,13 @@ Costs fastest_rounds(const Engine& engine, std::size_t count) {
   return costs;
 }
 
+double slow_from_s(double usual_s) { return std::max(20.0 * usual_s, 2e-5); }
+
 // Steps that cost many times the usual one, of a run of so many. Each step is timed by the clock on the wall, which is
 // read without a call of the system. The thread's own, which takes longer to read than most steps take, is read once in
 // a round: what the round cost beyond its other steps must be at least half of what makes a step slow, else
 // other programs had the processor meanwhile.
-std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, double& usual_s, double& slowest_s) {
+std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, double& usual_s) {
   using Clock = std::chrono::steady_clock;
   Rounds rounds(engine);
   std::vector<float> cost_s(count);
@@ -152,7 +154,7 @@ std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, dou
     round_s.push_back(processor_time_s() - round_began_s);
   }
   usual_s = stats::upper_median({cost_s.begin(), cost_s.end()});
-  const double least_s = std::max(20.0 * usual_s, 2e-5);
+  const double least_s = slow_from_s(usual_s);
   std::vector<std::size_t> slow;
   // The first round meets everything for the first time: memory, caches, branches.
   for (std::size_t round = 1; round < round_s.size(); ++round) {
@@ -163,12 +165,26 @@ std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, dou
     for (std::size_t i = begin; i < end; ++i) (cost_s[i] > least_s ? slow_s : others_s) += cost_s[i];
     if (slow_s == 0.0 || round_s[round] - others_s < 0.5 * least_s) continue;
     for (std::size_t i = begin; i < end; ++i) {
-      if (!(cost_s[i] > least_s)) continue;
-      slow.push_back(i);
-      slowest_s = std::max(slowest_s, static_cast<double>(cost_s[i]));
+      if (cost_s[i] > least_s) slow.push_back(i);
     }
   }
   return slow;
+}
+
+// What these steps cost of the thread's own time, each asked for before and after it, in a run up to the last of them.
+std::vector<double> own_cost_s(const Engine& engine, const std::vector<std::size_t>& steps) {
+  Rounds rounds(engine);
+  std::vector<double> cost_s;
+  for (std::size_t i = 0; cost_s.size() < steps.size(); ++i) {
+    if (i != steps[cost_s.size()]) {
+      rounds.step(i);
+      continue;
+    }
+    const double before_s = processor_time_s();
+    rounds.step(i);
+    cost_s.push_back(processor_time_s() - before_s);
+  }
+  return cost_s;
 }
 
 }  // namespace
@@ -281,27 +297,30 @@ std::optional<Finding> find_growing_cost(const Engine& engine) {
 std::optional<Finding> find_late_spike(const Engine& engine) {
   const std::size_t count = affordable_rounds(engine, 1'200'000) * Rounds::length;
   double usual_s = 0.0;
-  double slowest_s = 0.0;
-  // An interrupt hits any step; the renderer's own spike hits the same one in every run. Steps that interrupts hit in
-  // all runs are to be expected as many times as the shares of slow steps multiply to: on a busy machine three runs are
-  // not enough.
-  constexpr std::size_t least_runs = 3;
-  constexpr std::size_t most_runs = 8;
-  constexpr double coincidence = 1e-4;
-  std::vector<std::size_t> slow = slow_steps(engine, count, usual_s, slowest_s);
-  auto by_chance = static_cast<double>(slow.size());
-  for (std::size_t runs = 1; runs < most_runs && !slow.empty() && (runs < least_runs || by_chance > coincidence);
-       ++runs) {
-    slowest_s = 0.0;
-    const auto other = slow_steps(engine, count, usual_s, slowest_s);
-    by_chance *= static_cast<double>(other.size()) / static_cast<double>(count);
+  // An interrupt hits any step; the renderer's own spike hits the same one in every run, and takes the thread's own
+  // time there. On a busy machine some steps are hit again, the first of a round most of all.
+  constexpr int runs = 3;
+  std::vector<std::size_t> slow = slow_steps(engine, count, usual_s);
+  for (int run = 1; run < runs && !slow.empty(); ++run) {
+    const auto other = slow_steps(engine, count, usual_s);
     std::erase_if(slow, [&](std::size_t step) { return !std::ranges::binary_search(other, step); });
   }
-  if (slow.empty() || by_chance > coincidence) return std::nullopt;
+  double least_s = 0.0;
+  for (int run = 0; run < runs && !slow.empty(); ++run) {
+    const auto cost_s = own_cost_s(engine, slow);
+    std::vector<std::size_t> again;
+    for (std::size_t i = 0; i < slow.size(); ++i) {
+      if (!(cost_s[i] > 0.5 * slow_from_s(usual_s))) continue;
+      if (again.empty()) least_s = run == 0 ? cost_s[i] : std::min(least_s, cost_s[i]);
+      again.push_back(slow[i]);
+    }
+    slow = std::move(again);
+  }
+  if (slow.empty()) return std::nullopt;
   return Finding{"late-spike",
                  fmt::format("step {} costs {:.3g} us where others cost {:.3g} us, in every run", slow.front(),
-                             1e6 * slowest_s, 1e6 * usual_s),
-                 fmt::format("the same round over a block 40 mm wide, {} steps", count), 1e6 * slowest_s, "us"};
+                             1e6 * least_s, 1e6 * usual_s),
+                 fmt::format("the same round over a block 40 mm wide, {} steps", count), 1e6 * least_s, "us"};
 }
 
 }  // namespace touchstone::renderer_faults

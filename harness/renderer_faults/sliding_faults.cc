@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "harness/renderer_faults/detectors.h"
@@ -43,6 +44,9 @@ SlideResult slide_over(const Engine& engine, const TriangleMesh& mesh, const Sli
   for (int i = 0; i < rest; ++i)
     load_N = probe.press(foot(-slide.start_m), Vec3::UnitZ(), slide.depth_m).f_W_N.dot(Vec3::UnitZ());
   SlideResult result;
+  // What is not felt on a plane does not stick: another detector says so.
+  constexpr double least = 0.05;
+  if (!(load_N > least * engine.stiffness_N_per_m * slide.depth_m)) return result;
   // What holds back a tip that slides over a plane, as a damper does, is measured where the slide begins.
   Vec3 before = Vec3::Zero();
   const double begun_m = -slide.start_m + 10.0 * slide.step_m;
@@ -68,6 +72,16 @@ SlideResult slide_over(const Engine& engine, const TriangleMesh& mesh, const Sli
 // 1 % of the load, which is below what anyone notices; the engine's own epsilon on top.
 double allowed_N(const Engine& engine, const Slide& slide) {
   return engine.stiffness_N_per_m * (0.01 * slide.depth_m + engine.epsilon_m);
+}
+
+// On the level block, of a tip that came to rest.
+Vec3 rested_force_N(const Engine& engine, double depth_m) {
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), depth_m);
+  constexpr int rest = 100;
+  Vec3 last = Vec3::Zero();
+  for (int i = 0; i < rest; ++i) last = probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N;
+  return last;
 }
 
 // An edge between two triangles, its bend and a direction across it.
@@ -118,6 +132,56 @@ double friction_felt(const Engine& engine, double unit) {
     if (now.f_W_N.z() > 0.0) most = std::max(most, -now.f_W_N.x() / now.f_W_N.z());
   }
   return most;
+}
+
+// The centre of a ball that slides at one height over the level top of a block, and on past its edge at x = 0, rests at
+// the distance r from the block that is closest: over the top, on the arc about the edge, before the side.
+// `right_N` is the force for the way from the tip to there.
+std::optional<Finding> find_ball_at_edge_beside(const Engine& engine,
+                                                const std::function<Vec3(const Vec3& way)>& right_N) {
+  const double r = engine.tip_radius_m;
+  // Friction may hold it there, and rightly.
+  if (r == 0.0 || engine.friction > 0.0) return std::nullopt;
+  constexpr double y_m = 0.0013;
+  constexpr double step_m = 2e-5;
+  // Two samples of a step, and a twentieth of the load of a ball whose centre is in the surface.
+  const double allowed_N = engine.stiffness_N_per_m * (2.0 * step_m + 2.0 * engine.epsilon_m + 0.05 * r);
+  // A tip within its epsilon of another place is there to the engine.
+  const int most_samples = 4 + static_cast<int>(std::ceil(2.0 * engine.epsilon_m / step_m));
+  for (const double share : {0.2, 1.4e-4, -0.5}) {
+    const double z = share * r;
+    const auto rest = [&](double x) -> Vec3 {
+      if (x <= 0.0) return {x, y_m, std::max(r, z)};
+      if (z <= 0.0) return {std::max(x, r), y_m, z};
+      const double away = std::hypot(x, z);
+      return away >= r ? Vec3(x, y_m, z) : Vec3(r / away * x, y_m, r / away * z);
+    };
+    Probe probe(engine, surface::box_mesh({-2.0 * kHalf_m, -kHalf_m, -2.0 * kHalf_m}, {0.0, kHalf_m, 0.0}));
+    const double from_m = -3.0 * r;
+    probe.to({from_m, y_m, 2.0 * r});
+    for (int i = 1; i <= 20; ++i) probe.to({from_m, y_m, 2.0 * r + (z - 2.0 * r) * i / 20.0});
+    int longest = 0;
+    int now = 0;
+    double worst_N = 0.0;
+    for (int i = 0; i < static_cast<int>(4.5 * r / step_m); ++i) {
+      const double x = from_m + step_m * (i + 0.37);
+      const Vec3 tip(x, y_m, z);
+      const double off_N = (probe.to(tip).f_W_N - right_N(rest(x) - tip)).norm();
+      now = off_N <= allowed_N ? 0 : now + 1;
+      longest = std::max(longest, now);
+      if (now > 0) worst_N = std::max(worst_N, off_N);
+    }
+    if (longest <= most_samples) continue;
+    return Finding{
+        "ball-at-edge",
+        fmt::format("over a sharp edge a ball of {:g} mm is up to {:.2g} N off, for {} samples", 1e3 * r, worst_N,
+                    longest),
+        fmt::format("a block with an edge of 90 degrees, the ball's centre {:.3g} mm {} its top, sliding over the "
+                    "edge by {:g} um a sample",
+                    1e3 * std::abs(z), z > 0.0 ? "above" : "below", 1e6 * step_m),
+        worst_N, "N"};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -215,51 +279,24 @@ std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
   return std::nullopt;
 }
 
-// The centre of a ball that slides at one height over the level top of a block, and on past its edge at x = 0, rests at
-// the distance r from the block that is closest: over the top, on the arc about the edge, before the side.
 std::optional<Finding> find_ball_at_edge(const Engine& engine) {
-  const double r = engine.tip_radius_m;
-  // Friction may hold it there, and rightly.
-  if (r == 0.0 || engine.friction > 0.0) return std::nullopt;
-  constexpr double y_m = 0.0013;
-  constexpr double step_m = 2e-5;
-  // Two samples of a step, and a twentieth of the load of a ball whose centre is in the surface.
-  const double allowed_N = engine.stiffness_N_per_m * (2.0 * step_m + 2.0 * engine.epsilon_m + 0.05 * r);
-  constexpr int most_samples = 4;
-  for (const double share : {0.2, 1.4e-4, -0.5}) {
-    const double z = share * r;
-    const auto rest = [&](double x) -> Vec3 {
-      if (x <= 0.0) return {x, y_m, std::max(r, z)};
-      if (z <= 0.0) return {std::max(x, r), y_m, z};
-      const double away = std::hypot(x, z);
-      return away >= r ? Vec3(x, y_m, z) : Vec3(r / away * x, y_m, r / away * z);
-    };
-    Probe probe(engine, surface::box_mesh({-2.0 * kHalf_m, -kHalf_m, -2.0 * kHalf_m}, {0.0, kHalf_m, 0.0}));
-    const double from_m = -3.0 * r;
-    probe.to({from_m, y_m, 2.0 * r});
-    for (int i = 1; i <= 20; ++i) probe.to({from_m, y_m, 2.0 * r + (z - 2.0 * r) * i / 20.0});
-    int longest = 0;
-    int now = 0;
-    double worst_N = 0.0;
-    for (int i = 0; i < static_cast<int>(4.5 * r / step_m); ++i) {
-      const double x = from_m + step_m * (i + 0.37);
-      const Vec3 tip(x, y_m, z);
-      const double off_N = (probe.to(tip).f_W_N - engine.stiffness_N_per_m * (rest(x) - tip)).norm();
-      now = off_N <= allowed_N ? 0 : now + 1;
-      longest = std::max(longest, now);
-      if (now > 0) worst_N = std::max(worst_N, off_N);
-    }
-    if (longest <= most_samples) continue;
-    return Finding{
-        "ball-at-edge",
-        fmt::format("over a sharp edge a ball of {:g} mm is up to {:.2g} N off, for {} samples", 1e3 * r, worst_N,
-                    longest),
-        fmt::format("a block with an edge of 90 degrees, the ball's centre {:.3g} mm {} its top, sliding over the "
-                    "edge by {:g} um a sample",
-                    1e3 * std::abs(z), z > 0.0 ? "above" : "below", 1e6 * step_m),
-        worst_N, "N"};
-  }
-  return std::nullopt;
+  // A contact that is softer or stiffer than its author says, by more than its epsilon, is so at the edge, too: by the
+  // power law through two depths on a plane.
+  const double half_m = 0.5 * engine.tip_radius_m;
+  const double half_N = half_m > 0.0 ? rested_force_N(engine, half_m).norm() : 0.0;
+  const double quarter_N = half_m > 0.0 ? rested_force_N(engine, 0.5 * half_m).norm() : 0.0;
+  const double linear_N = engine.stiffness_N_per_m * half_m;
+  const double allowed_N = 0.01 * linear_N + 2.0 * engine.stiffness_N_per_m * engine.epsilon_m;
+  const bool known = quarter_N > 0.0 && half_N > quarter_N && std::abs(half_N - linear_N) > allowed_N;
+  const double power = known ? std::log2(half_N / quarter_N) : 1.0;
+  return find_ball_at_edge_beside(engine, [&](const Vec3& way) -> Vec3 {
+    if (!known || way.norm() == 0.0) return engine.stiffness_N_per_m * way;
+    return half_N * std::pow(way.norm() / half_m, power) * way.normalized();
+  });
+}
+
+std::optional<Finding> find_ball_at_edge_under(const Engine& engine, const ForceMap& map) {
+  return find_ball_at_edge_beside(engine, [&](const Vec3& way) { return map(engine.stiffness_N_per_m * way); });
 }
 
 std::optional<Finding> find_friction_lost(const Engine& engine) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,8 @@
 #include <vector>
 
 #include "harness/base/random.h"
+#include "harness/renderer_faults/arx.h"
+#include "harness/renderer_faults/other_engines.h"
 #include "harness/renderer_faults/probe.h"
 #include "harness/stats/quantile.h"
 
@@ -230,45 +231,57 @@ std::optional<Timing> find_clipped(const std::vector<double>& change_N, double l
   return timing;
 }
 
-// The model with the force and the depth of the sample before.
-Timing by_filter(const Engine& engine, const Response& response) {
-  const auto& f = response.force_N;
-  const auto& s = response.settled_N;
-  // Where damping pulls, the force is cut off at 0, and the law is another one.
-  std::vector<std::size_t> rows;
-  for (std::size_t i = kFrom; i < f.size(); ++i) {
-    if (f[i] > 0.0 && f[i - 1] > 0.0) rows.push_back(i);
+// The samples after which a tip that jumped by 2 mm and rests has its force; 0: it never rests.
+int measured_settling_samples(const Engine& engine) {
+  constexpr int jumps = 16;
+  constexpr double jump_m = 2e-3;
+  constexpr double longest_s = 0.5;
+  const int least = std::max(1500, static_cast<int>(longest_s * engine.rate_Hz));
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), kShallow_m);
+  int longest = 0;
+  for (int jump = 0; jump < jumps; ++jump) {
+    // Each at another place of whatever comes again and again.
+    constexpr int more = 37;
+    const int rest = least + more * jump;
+    const double depth_m = kShallow_m + (jump % 2 == 0 ? jump_m : 0.0);
+    std::vector<double> force_N;
+    force_N.reserve(static_cast<std::size_t>(rest));
+    for (int i = 0; i < rest; ++i) force_N.push_back(probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.z());
+    const double off_N = 1e-4 * engine.stiffness_N_per_m * jump_m;
+    const auto last = std::find_if(force_N.rbegin(), force_N.rend(),
+                                   [&](double now_N) { return !(std::abs(now_N - force_N.back()) <= off_N); });
+    const auto samples = static_cast<int>(force_N.rend() - last);
+    if (samples > rest - rest / 10) return 0;
+    longest = std::max(longest, samples);
   }
+  return longest;
+}
+
+// By an ARX model; unclear if none explains the force.
+Timing by_filter(const Engine& engine, const Response& response) {
   Timing timing;
   timing.kind = TimingKind::unclear;
-  constexpr std::size_t least_rows = 100;
-  if (rows.size() < least_rows) return timing;
-  const auto count = static_cast<Eigen::Index>(rows.size());
-  Eigen::MatrixX4d a(count, 4);
-  Eigen::VectorXd y(count);
-  for (Eigen::Index row = 0; row < count; ++row) {
-    const std::size_t i = rows[static_cast<std::size_t>(row)];
-    a.row(row) << f[i - 1], s[i], s[i - 1], 1.0;
-    y[row] = f[i];
-  }
-  const Eigen::Vector4d x = a.colPivHouseholderQr().solve(y);
-  const double left = (a * x - y).squaredNorm() / (y.array() - y.mean()).matrix().squaredNorm();
-  constexpr double explained = 1e-3;  // of the variance
-  if (!(left < explained)) return timing;
-  const double again = std::clamp(x[0], 0.0, 1.0 - 1e-6);
-  constexpr double settled_to = 1e-5;
-  constexpr double longest = 2000.0;
-  timing.settle_samples =
-      2 + (again > 1e-3 ? static_cast<int>(std::min(longest, std::log(settled_to) / std::log(again))) : 0);
+  const auto arx = simplest_arx(response.force_N, response.settled_N, kFrom);
+  if (!arx) return timing;
   // At once at least the settled force: damping, relaxation.
-  if (x[1] >= 0.95) {
+  constexpr double at_once = 0.95;
+  if (arx->b[0] >= at_once) {
     timing.kind = TimingKind::viscous;
+    timing.settle_samples = 2 * arx->dead + (arx->dead == 0 ? 2 : 1);
+    if (arx->dead == 0) return timing;
+    timing.kind = TimingKind::delay;
+    timing.lag_samples = arx->dead;
+    timing.what = late_sentence(engine, timing.lag_samples) + ", and damped or relaxing then";
     return timing;
   }
+  // Above what other detectors count as no memory.
+  timing.settle_samples = 3 + arx->settling_samples();
   timing.kind = TimingKind::filter;
-  timing.lag_samples = x[2] / std::max(1e-9, x[1] + x[2]) + again / (1.0 - again);
+  timing.lag_samples = arx->delay_samples();
   timing.time_constant_s = timing.lag_samples / engine.rate_Hz;
-  if (again > 1e-3 && std::abs(x[2]) < 0.1 * x[1]) timing.time_constant_s = -1.0 / (engine.rate_Hz * std::log(again));
+  if (arx->a.size() == 1 && arx->a[0] > 1e-3 && std::abs(arx->b[1]) < 0.1 * arx->b[0])
+    timing.time_constant_s = -1.0 / (engine.rate_Hz * std::log(std::min(arx->a[0], 1.0 - 1e-6)));
   timing.what =
       fmt::format("the force is low-pass filtered: a time constant of {:.3g} ms, {:.3g} samples late in the mean",
                   1e3 * timing.time_constant_s, timing.lag_samples);
@@ -294,9 +307,9 @@ void by_variance(const Engine& engine, const Response& response, Timing& timing)
                 fmt::format(", and not by this alone: {:.2g} of the error is left", left[least] / left[0]);
 }
 
-// Up and down by 2 mm a sample, up to 10 N.
+// Up and down at 2 m/s, and by 2 mm a sample at least, up to 10 N.
 std::optional<Timing> with_large_jumps(const Engine& engine) {
-  constexpr double jump_m = 2e-3;
+  const double jump_m = std::max(2e-3, 2.0 / engine.rate_Hz);
   constexpr double most_N = 10.0;
   constexpr double deepest_m = 0.05;
   const double deep_m = std::min(deepest_m, most_N / engine.stiffness_N_per_m);
@@ -310,20 +323,24 @@ std::optional<Timing> with_large_jumps(const Engine& engine) {
   constexpr int strokes = 6;
   for (int stroke = 0; stroke < strokes; ++stroke) {
     const int steps = std::max(1, static_cast<int>(deep_m / jump_m));
-    std::vector<double> moving_N;
     const auto depth_at = [&](int i) {
       const double share = static_cast<double>(stroke % 2 == 0 ? i : steps - i) / steps;
       return kShallow_m + share * (deep_m - kShallow_m);
     };
     for (int i = 1; i <= steps; ++i) {
-      moving_N.push_back(probe.press(kPlace, Vec3::UnitZ(), depth_at(i)).f_W_N.dot(along));
-      change_N.push_back(moving_N.back() - last_N);
-      last_N = moving_N.back();
+      const double now_N = probe.press(kPlace, Vec3::UnitZ(), depth_at(i)).f_W_N.dot(along);
+      change_N.push_back(now_N - last_N);
+      last_N = now_N;
     }
     // Here it comes to rest.
     constexpr int rest = 400;
-    double first_N = last_N;
-    for (int i = 0; i < rest; ++i) last_N = probe.press(kPlace, Vec3::UnitZ(), depth_at(steps)).f_W_N.dot(along);
+    const double first_N = last_N;
+    for (int i = 0; i < rest; ++i) {
+      const double now_N = probe.press(kPlace, Vec3::UnitZ(), depth_at(steps)).f_W_N.dot(along);
+      // Here, too, it changes by no more than the figure, as often as the way is long.
+      if (std::abs(now_N - last_N) > 0.0) change_N.push_back(now_N - last_N);
+      last_N = now_N;
+    }
     worst_N = std::max(worst_N, std::abs(last_N - first_N));
   }
   if (worst_N < 0.01 * most_N) return std::nullopt;
@@ -413,6 +430,25 @@ Timing with_slides(const Engine& engine) {
   return timing;
 }
 
+Timing timing_of(const Engine& engine, const Response& response) {
+  if (auto held = find_hold(engine, response)) return *held;
+  Timing timing;
+  if (auto late = by_lags(engine, lags_of(response))) {
+    timing = *late;
+  } else {
+    std::vector<double> change_N;
+    for (std::size_t i = kFrom; i < kSteps; ++i) change_N.push_back(response.force_N[i] - response.force_N[i - 1]);
+    if (auto clipped = find_clipped(change_N, engine.stiffness_N_per_m * kDeep_m)) return *clipped;
+    timing = by_filter(engine, response);
+  }
+  if (timing.kind == TimingKind::exact || timing.kind == TimingKind::unclear) {
+    if (auto clipped = with_large_jumps(engine)) return *clipped;
+  }
+  if (timing.kind == TimingKind::exact) timing = with_slides(engine);
+  if (timing.kind == TimingKind::unclear) by_variance(engine, response, timing);
+  return timing;
+}
+
 }  // namespace
 
 std::string Timing::fault() const {
@@ -439,24 +475,17 @@ std::string Timing::fault() const {
 }
 
 Timing identify_timing(const Engine& engine) {
-  const Response response = response_to_jumps(engine);
+  Response response = response_to_jumps(engine);
+  // What has no force upwards may have one along another axis.
+  const bool leans = !(response.spacing_N > 0.0);
+  const Engine probed = leans ? leaning(engine) : engine;
+  if (leans) response = response_to_jumps(probed);
   // The force is the same at every depth: nothing can be told from it.
   if (!(response.spacing_N > 0.0)) return {};
-  if (auto held = find_hold(engine, response)) return *held;
-  Timing timing;
-  if (auto late = by_lags(engine, lags_of(response))) {
-    timing = *late;
-  } else {
-    std::vector<double> change_N;
-    for (std::size_t i = kFrom; i < kSteps; ++i) change_N.push_back(response.force_N[i] - response.force_N[i - 1]);
-    if (auto clipped = find_clipped(change_N, engine.stiffness_N_per_m * kDeep_m)) return *clipped;
-    timing = by_filter(engine, response);
-    if (timing.kind == TimingKind::unclear) by_variance(engine, response, timing);
-  }
-  if (timing.kind == TimingKind::exact) {
-    if (auto clipped = with_large_jumps(engine)) return *clipped;
-    timing = with_slides(engine);
-  }
+  Timing timing = timing_of(probed, response);
+  // Of two faults the one behind may take longer.
+  if (timing.kind != TimingKind::exact)
+    timing.settle_samples = std::max(timing.settle_samples, measured_settling_samples(probed));
   timing.declared = timing.kind == TimingKind::delay && timing.lag_samples <= engine.lag_samples;
   return timing;
 }

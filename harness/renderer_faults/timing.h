@@ -6,9 +6,10 @@
 // earlier samples:
 //   late       F_i = S_(i-L): one lag L for all samples, lags that alternate with a period, or lags without one
 //   held       F_i = F_(i-1) although the depth changed, until the next update
-//   filter     F_i = a F_(i-1) + b_0 S_i + b_1 S_(i-1), by least squares (an ARX model: Ljung, System Identification,
-//              2nd ed. 1999, section 4.2), that answers less than S_i at once. A contact with damping or relaxation
-//              answers at least S_i at once: Kelvin-Voigt has a = 0, b_0 = 1 + b / (k T), b_1 = -b / (k T)
+//   filter     a linear difference equation (harness/renderer_faults/arx.h) that answers less than S_i at once: of
+//   first or
+//              second order, or a mean over samples. A contact with damping or relaxation answers at least S_i at once:
+//              Kelvin-Voigt has a = 0, b_0 = 1 + b / (k T), b_1 = -b / (k T); behind a dead time it is late, too
 //   clipped    |F_i - F_(i-1)| is never above one figure, which many steps have; also with steps of 2 mm and up to 10 N
 // A contact point that is late shows only while the tip slides: the force pulls sideways to where the tip was.
 #pragma once

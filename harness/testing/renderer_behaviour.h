@@ -88,6 +88,7 @@ TEST_P(RendererBehaviour, EveryFaceAnswersAsItsNeighbours) { expect_none({"one-b
 TEST_P(RendererBehaviour, ABlockHoldsHoweverDeep) { expect_none({"falls-through-block"}); }
 TEST_P(RendererBehaviour, ContactBeginsAtTheSurface) { expect_none({"gap-at-contact"}); }
 TEST_P(RendererBehaviour, TheContactPointLiesOnAPlane) { expect_none({"standoff"}); }
+TEST_P(RendererBehaviour, InAWallsPlaneTheForceIsThatBesideIt) { expect_none({"tie-break"}); }
 TEST_P(RendererBehaviour, AtRestAndOverAPlaneTheForceIsSteady) { expect_none({"noise"}); }
 TEST_P(RendererBehaviour, ResetForgetsARunBrokenOffInContact) { expect_none({"state-after-reset"}); }
 TEST_P(RendererBehaviour, TwoOnOneSurfaceDoNotDisturbOneAnother) { expect_none({"shared-state"}); }

@@ -42,12 +42,12 @@
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/renderer.h"
 #include "harness/rendering/renderer_failed.h"
+#include "harness/rendering/settled_renderer.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/allocation_guard.h"
 #include "harness/testing/conformance_failure.h"
 #include "harness/testing/conformance_shapes.h"
 #include "harness/testing/renderer_behaviour.h"
-#include "harness/testing/settled_renderer.h"
 
 namespace touchstone::testing {
 
@@ -97,8 +97,9 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
     return make_embree_surface(moved(shape().mesh, pose.turn, pose.shift, pose.unit));
   }
   [[nodiscard]] std::unique_ptr<rendering::Renderer> make(const Pose& pose = {}) const {
-    return settled(subject().make(subject().queries(moved(shape().mesh, pose.turn, pose.shift, pose.unit)), pose.unit),
-                   subject().lag_samples);
+    return rendering::settled(
+        subject().make(subject().queries(moved(shape().mesh, pose.turn, pose.shift, pose.unit)), pose.unit),
+        subject().lag_samples);
   }
 
   // Taps, strokes at up to 0.5 mm depth and retreats all about the shape; begins and ends outside. A stroke does not

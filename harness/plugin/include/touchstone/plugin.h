@@ -32,7 +32,7 @@ extern "C" {
 /* A parameter that a model file may set. One named "epsilon_m" states the length below which the renderer tells nothing
  * apart: contact points may be off by it, and forces by it times the stiffness. One named "lag_samples" states by how
  * many samples every answer may be late (an engine that renders in a thread of its own): the scorecard accuses it of no
- * more than what is later, and the conformance suite waits for each answer. */
+ * more than what is later, and the conformance suite and golden cases wait for each answer. */
 typedef struct touchstone_parameter {
   const char* name; /* with its unit: "stiffness_N_per_m" */
   const char* unit; /* "N/m"; "1" for a ratio. From it the tests know how the value changes with the unit of length */
