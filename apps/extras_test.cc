@@ -66,7 +66,8 @@ TEST_F(Extras, AreFilesThatCanBeRun) {
   EXPECT_THAT(broken.err, HasSubstr("more/touchstone-broken: Exec format error"));
 }
 
-// touchstone-full and the like are how the program is made or tested, no commands; in a build folder they stand beside it.
+// touchstone-full and the like are how the program is made or tested, no commands; in a build folder they stand beside
+// it.
 TEST_F(Extras, AreNotThePartsOfTheProgram) {
   for (const char* const part : {"full", "plugin-host", "conformance-result", "emulated-lab"}) {
     add(part, "#!/bin/sh\n");
