@@ -208,8 +208,19 @@ endfunction()
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/explanation/testing.md)
 file(STRINGS ${PROJECT_SOURCE_DIR}/docs/explanation/testing.md TOUCHSTONE_BY_NIGHT REGEX "^. `\\^")
 list(TRANSFORM TOUCHSTONE_BY_NIGHT REPLACE "^. `([^`]*)`.*" "\\1")
+list(TRANSFORM TOUCHSTONE_BY_NIGHT REPLACE "\\\\\\|" "|")  # \| is how a table of Markdown writes it
 list(JOIN TOUCHSTONE_BY_NIGHT "|" TOUCHSTONE_BY_NIGHT)
 file(WRITE ${PROJECT_BINARY_DIR}/by_night.cmake "set(by_night [==[${TOUCHSTONE_BY_NIGHT}]==])\n")
+
+# touchstone_label_by_night(): the tests that the folder's CMakeLists.txt added itself.
+function(touchstone_label_by_night)
+  get_property(tests DIRECTORY PROPERTY TESTS)
+  foreach(test IN LISTS tests)
+    if(test MATCHES "${TOUCHSTONE_BY_NIGHT}")
+      set_property(TEST ${test} APPEND PROPERTY LABELS nightly by_turns)
+    endif()
+  endforeach()
+endfunction()
 
 # touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL]
 #                      [ENVIRONMENT NAME=value...] [SHARDS n] [ALONE] [HEADERS a_for_test.h...])
