@@ -66,9 +66,12 @@ TEST_F(Extras, AreFilesThatCanBeRun) {
   EXPECT_THAT(broken.err, HasSubstr("more/touchstone-broken: Exec format error"));
 }
 
-// touchstone-full and the like are how the program is made, no commands.
+// touchstone-full and the like are how the program is made or tested, no commands; in a build folder they stand beside
+// it.
 TEST_F(Extras, AreNotThePartsOfTheProgram) {
-  for (const char* const part : {"full", "plugin-host", "conformance-result"}) {
+  for (const char* const part : {"full", "plugin-host", "conformance-result", "emulated-lab"}) {
+    add(part, "#!/bin/sh\n");
+    EXPECT_THAT(run("--help").out, Not(HasSubstr(fmt::format(" {} (", part)))) << part;
     const Outcome run_part = run(part);
     EXPECT_EQ(run_part.status, 2) << part;
     EXPECT_THAT(run_part.err, HasSubstr("there is no command")) << part;

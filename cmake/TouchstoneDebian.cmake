@@ -1,5 +1,5 @@
 # Debian packages from the build tree, by CPack: `cpack --config build/default/CPackConfig.cmake` or ci/package.
-#   touchstone        the program, golden cases and bundled data sets
+#   touchstone        the program, its manual, golden cases and bundled data sets
 #   libtouchstone-dev headers, static libraries, package files for find_package, the conformance program, examples
 #   touchstone-doc    the guide
 #   python3-touchstone  the Python package (TOUCHSTONE_WITH_PYTHON)
@@ -48,8 +48,12 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib")
 # The conformance program, for pytest --touchstone.
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "libtouchstone-dev, python3-pytest, jupyter-notebook")
 
-# Sources with the report's web parts in them, for a machine that cannot reach the npm registry.
-set(CPACK_SOURCE_GENERATOR TXZ)
-set(CPACK_SOURCE_IGNORE_FILES "/build/;/\\\\.git/;/\\\\.cache/")
+# The same state gives the same bytes (ci/release): every file bears the time of the commit.
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/package_times.cmake @ONLY CONTENT [=[
+if(DEFINED ENV{SOURCE_DATE_EPOCH})
+  execute_process(COMMAND find "${CPACK_TEMPORARY_DIRECTORY}" -exec touch -h -d "@$ENV{SOURCE_DATE_EPOCH}" {} + COMMAND_ERROR_IS_FATAL ANY)
+endif()
+]=])
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_BINARY_DIR}/package_times.cmake)
 
 include(CPack)

@@ -60,3 +60,11 @@ install(FILES ci/dashboard.cmake ci/dashboard_compiler.cmake ci/dashboard_outbox
 install(DIRECTORY examples DESTINATION ${TOUCHSTONE_INSTALL_DATADIR})
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
+
+# The manual of each command.
+set(man_pages ${PROJECT_BINARY_DIR}/man)
+add_custom_command(OUTPUT ${man_pages}/touchstone.1.gz COMMAND ${PROJECT_SOURCE_DIR}/ci/man-pages ${man_pages}
+  DEPENDS ci/man-pages docs/reference/commands.md VERSION VERBATIM)
+add_custom_target(touchstone_man_pages DEPENDS ${man_pages}/touchstone.1.gz)
+add_dependencies(touchstone_program touchstone_man_pages)
+install(DIRECTORY ${man_pages}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)

@@ -208,8 +208,28 @@ endfunction()
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/explanation/testing.md)
 file(STRINGS ${PROJECT_SOURCE_DIR}/docs/explanation/testing.md TOUCHSTONE_BY_NIGHT REGEX "^. `\\^")
 list(TRANSFORM TOUCHSTONE_BY_NIGHT REPLACE "^. `([^`]*)`.*" "\\1")
+list(TRANSFORM TOUCHSTONE_BY_NIGHT REPLACE "\\\\\\|" "|")  # \| is how a table of Markdown writes it
 list(JOIN TOUCHSTONE_BY_NIGHT "|" TOUCHSTONE_BY_NIGHT)
-file(WRITE ${PROJECT_BINARY_DIR}/by_night.cmake "set(by_night [==[${TOUCHSTONE_BY_NIGHT}]==])\n")
+# GoogleTest's TempDir(): of each build folder its own, for everybody (tests run as another user), since many tests write files
+# of one name. ctest makes it again when the machine has cleaned up.
+string(MD5 touchstone_test_folder "${PROJECT_BINARY_DIR}")
+string(SUBSTRING ${touchstone_test_folder} 0 8 touchstone_test_folder)
+set(touchstone_test_folder /tmp/touchstone-tests-${touchstone_test_folder})
+file(WRITE ${PROJECT_BINARY_DIR}/by_night.cmake "set(by_night [==[${TOUCHSTONE_BY_NIGHT}]==])
+if(NOT IS_DIRECTORY ${touchstone_test_folder})
+  execute_process(COMMAND mkdir -m 1777 ${touchstone_test_folder})
+endif()
+")
+
+# touchstone_label_by_night(): the tests that the folder's CMakeLists.txt added itself.
+function(touchstone_label_by_night)
+  get_property(tests DIRECTORY PROPERTY TESTS)
+  foreach(test IN LISTS tests)
+    if(test MATCHES "${TOUCHSTONE_BY_NIGHT}")
+      set_property(TEST ${test} APPEND PROPERTY LABELS nightly by_turns)
+    endif()
+  endforeach()
+endfunction()
 
 # touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL]
 #                      [ENVIRONMENT NAME=value...] [SHARDS n] [ALONE] [HEADERS a_for_test.h...])
@@ -271,7 +291,7 @@ endfunction()
 
 # What every test finds in its environment: touchstone_test_environment(<variable> [NAME=value...])
 function(touchstone_test_environment variable)
-  set(${variable} "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR}" "TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
+  set(${variable} "TEST_TMPDIR=${touchstone_test_folder}" "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR}" "TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
     "TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone" ${ARGN} PARENT_SCOPE)
 endfunction()
 
