@@ -1,7 +1,9 @@
 // MATLAB files as matio writes them, version 5 (plain and compressed) and 7.3.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <matio.h>
+#include <unistd.h>
 
 #include <array>
 
@@ -15,10 +17,14 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::filesystem::path write_mat(mat_ft version, matio_compression compression, const std::string& name) {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-import-mat";
+std::filesystem::path own_folder() {
+  auto folder = std::filesystem::path(::testing::TempDir()) / fmt::format("touchstone-import-mat-{}", ::getpid());
   ensure_writable_folder(folder);
-  auto path = folder / name;
+  return folder;
+}
+
+std::filesystem::path write_mat(mat_ft version, matio_compression compression, const std::string& name) {
+  auto path = own_folder() / name;
   std::filesystem::remove(path);
   mat_t* const file = Mat_CreateVer(path.c_str(), nullptr, version);
   const auto put = [&](const char* what, std::vector<double> values, std::size_t rows) {
@@ -112,7 +118,7 @@ TEST(MatFile, DamagedDimensionsAreNotBelieved) {
 
 // matio allocates a pointer for each structure of an array of structures, before it reads the first.
 TEST(MatFile, AnArrayOfStructuresHasNoMoreThanItsBytes) {
-  const auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-import-mat" / "structures.mat";
+  const auto path = own_folder() / "structures.mat";
   ensure_writable_folder(path.parent_path());
   for (const matio_compression compression : {MAT_COMPRESSION_NONE, MAT_COMPRESSION_ZLIB}) {
     std::filesystem::remove(path);
@@ -159,7 +165,7 @@ TEST(MatFile, AnObjectsNameIsNotLongerThanItsBytes) {
 
 // Level 4 has no mark of its own: the head of each matrix is five integers, then its name and its numbers.
 TEST(MatFile, AMatrixOfLevel4HasNoMoreThanItsBytes) {
-  const auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-import-mat" / "level4.mat";
+  const auto path = own_folder() / "level4.mat";
   ensure_writable_folder(path.parent_path());
   const auto matrix = [](std::array<std::uint32_t, 5> head) {
     std::string bytes(reinterpret_cast<const char*>(head.data()), sizeof head);

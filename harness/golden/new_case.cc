@@ -13,6 +13,8 @@
 #include "harness/base/random.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
+#include "harness/rendering/nearness.h"
+#include "harness/surface/embree_surface.h"
 
 namespace touchstone::golden {
 using recording::InTrajectory;
@@ -90,6 +92,21 @@ json models_of(const NewCase& wanted) {
   }
   if (models.empty()) throw UsageError("give at least one --model");
   return models;
+}
+
+// A mesh in millimetres that was read as metres makes a golden of nothing but air, or of kilonewtons.
+void refuse_another_unit(const Catalogues& catalogues, const GoldenCase& golden, const NewCase& wanted) {
+  double tip_radius_m = 0.0;
+  for (const auto& [name, ignored] : golden.models) {
+    const auto& parameters = case_model(golden, name).parameters;
+    if (const auto radius = parameters.find("tip_radius_m"); radius != parameters.end())
+      tip_radius_m = std::max(tip_radius_m, radius->second);
+  }
+  const auto surface = make_embree_surface(case_mesh(catalogues.generators, golden));
+  const InTrajectory path = case_trajectory(catalogues.generators, golden);
+  if (const auto message = rendering::fits_another_unit(*surface, path.motion.p_W_m, tip_radius_m,
+                                                        wanted.trajectory.string(), wanted.mesh_unit))
+    throw BadData(*message);
 }
 
 json case_json(const NewCase& wanted, const json& models, const std::string& mesh, const std::string& path,
@@ -180,6 +197,7 @@ MadeCase make_case(const Catalogues& catalogues, const fs::path& golden, const N
   };
   MadeCase made;
   made.golden = write(least_force_N, "not measured yet");
+  refuse_another_unit(catalogues, made.golden, wanted);
   measure_rounding(catalogues, change, made);
   const double force_N = std::max(least_force_N, times_rounding * made.rounding_N);
   made.golden =

@@ -1,5 +1,6 @@
 #include "harness/golden/new_case.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -64,6 +65,26 @@ TEST_F(NewGoldenCase, RunsAtOnceAndHasAToleranceWithItsReason) {
   EXPECT_THAT(made.golden.tolerance.reason, HasSubstr("units in the last place"));
   const CaseRun run = run_case(catalogues_, load_case(folder_ / "golden" / "plate-stroke"), "god-object", false);
   EXPECT_EQ(run.rendered.f_W_N.size(), 500U);
+}
+
+TEST_F(NewGoldenCase, AMeshInAnotherUnitIsRefusedWithTheOneThatFits) {
+  // A closed box of 40 mm, touched at its top; read as metres the path is deep within it.
+  recording::InTrajectory top = recording::load_trajectory(folder_ / "path.csv");
+  for (Vec3& p : top.motion.p_W_m) p.z() += 0.02;
+  save_trajectory(folder_ / "top.csv", top);
+  wanted_.trajectory = folder_ / "top.csv";
+  std::string box;
+  for (int i = 0; i < 8; ++i)
+    box += fmt::format("v {} {} {}\n", (i & 1) != 0 ? 20 : -20, (i & 2) != 0 ? 20 : -20, (i & 4) != 0 ? 20 : -20);
+  for (const char* const face : {"1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"})
+    box += fmt::format("f {}\n", face);
+  write_file(folder_ / "box.obj", box);
+  wanted_.mesh = folder_ / "box.obj";
+  wanted_.mesh_unit = "m";
+  EXPECT_THAT(complaint(), HasSubstr("--mesh-unit mm"));
+  EXPECT_FALSE(fs::exists(folder_ / "golden" / "plate-stroke")) << "nothing is left behind";
+  wanted_.mesh_unit = "mm";
+  EXPECT_EQ(complaint(), "");
 }
 
 TEST_F(NewGoldenCase, ItsLimitsChangeWithTheirReasonOrNotAtAll) {
