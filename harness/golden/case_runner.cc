@@ -61,6 +61,20 @@ std::string hash_of(const rendering::SceneFile& scene, const InTrajectory& traje
   return sha256(all);
 }
 
+// A model of the case: what the case says, and what runs in its place.
+struct CaseModel {
+  std::string name;
+  Model own;
+  Model runs;
+};
+
+CaseModel read_model(const GoldenCase& golden, const std::string& name, const ChangeModel& change) {
+  CaseModel model{name, case_model(golden, name), {}};
+  model.runs = model.own;
+  if (change) change(model.runs);
+  return model;
+}
+
 // What a case runs over, and what is said of it.
 struct CaseWorld {
   std::unique_ptr<rendering::Renderer> renderer;
@@ -137,17 +151,14 @@ double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force
 
 // Judges a run that is beyond tolerance by the exact answer, where there is one: `better` when its force is nearer to
 // it by more than the tolerance, over the run and at its worst.
-void judge_by_exact_answer(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
-                           const ChangeModel& change, const recording::RenderedTrajectory& obtained,
-                           CheckResult& result) {
+void judge_by_exact_answer(const Catalogues& catalogues, const GoldenCase& golden, const CaseModel& model,
+                           const recording::RenderedTrajectory& obtained, CheckResult& result) {
   if (golden.surface.generator.empty()) return;
   const auto analytic = catalogues.generators.surface(golden.surface.generator, golden.surface.parameters);
-  Model parsed = case_model(golden, model);
-  if (change) change(parsed);
-  result.exact = exact_error(catalogues, *analytic, golden.scale, parsed, obtained);
+  result.exact = exact_error(catalogues, *analytic, golden.scale, model.runs, obtained);
   if (!result.exact || result.comparison.verdict != Verdict::worse) return;
-  const auto before =
-      exact_error(catalogues, *analytic, golden.scale, parsed, recording::load_rendered(golden.expected(model)));
+  const auto before = exact_error(catalogues, *analytic, golden.scale, model.runs,
+                                  recording::load_rendered(golden.expected(model.name)));
   if (!before) return;
   result.comparison.problems.push_back(exact_comparison(before, result.exact));
   const double band_N = golden.tolerance.of("force").atol;
@@ -215,27 +226,22 @@ std::string declared_not_to_move(const RendererEntry& entry, const GoldenCase& g
 }
 
 // Whether the case's own renderer pushes to the closest surface point, wherever that jumps to.
-bool pushes_to_closest(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model) {
+bool pushes_to_closest(const Catalogues& catalogues, const CaseModel& model) {
   const auto& known = catalogues.renderers.renderers();
-  const auto found = std::ranges::find(known, case_model(golden, model).renderer, &RendererEntry::name);
+  const auto found = std::ranges::find(known, model.own.renderer, &RendererEntry::name);
   return found != known.end() && find_limitation(found->cannot, rendering::Ability::continuous_force) != nullptr;
 }
 
 // Why the case says nothing about this renderer: it takes one object and the case has several that move, its tip is
 // another one, or the run starts inside the body and the renderer declares that it cannot.
-std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
-                                const ChangeModel& change) {
-  if (!change) return "";
-  const Model own = case_model(golden, model);
-  Model described = own;
-  change(described);
-  const RendererEntry& entry = catalogues.renderers.find(described);
+std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& golden, const CaseModel& model) {
+  const RendererEntry& entry = catalogues.renderers.find(model.runs);
   // The tip of a case whose renderer only a plug-in has is that plug-in's.
   const auto& known = catalogues.renderers.renderers();
-  const auto of_case = std::ranges::find(known, own.renderer, &RendererEntry::name);
+  const auto of_case = std::ranges::find(known, model.own.renderer, &RendererEntry::name);
   if (of_case != known.end()) {
-    const double rendered_m = value_of(described, entry, "tip_radius_m");
-    const double wanted_m = value_of(own, *of_case, "tip_radius_m");
+    const double rendered_m = value_of(model.runs, entry, "tip_radius_m");
+    const double wanted_m = value_of(model.own, *of_case, "tip_radius_m");
     if (rendered_m != wanted_m)
       return fmt::format("the tip is a ball of {:g} m in radius, the case's of {:g} m{}", rendered_m, wanted_m,
                          wanted_m == 0.0 ? "; is another model the one, as --model god-object-ball?" : "");
@@ -293,12 +299,11 @@ Model case_model(const GoldenCase& golden, const std::string& name) {
   return model;
 }
 
-CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model, bool time_steps,
-                 const ChangeModel& change) {
-  Model described = case_model(golden, model);
+namespace {
+
+CaseRun run_model(const Catalogues& catalogues, const GoldenCase& golden, const CaseModel& model, bool time_steps) {
+  const Model& described = model.runs;
   const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
-  const std::string own_renderer = described.renderer;
-  if (change) change(described);
   CaseWorld world = make_world(catalogues, golden, described, trajectory);
   CaseRun run;
   // A golden says what is right at each tip; when the answer comes is what the renderer declares.
@@ -309,7 +314,7 @@ CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const s
   run.rendered.cost_us.clear();
   run.provenance = build_provenance();
   if (described.provided) run.provenance.merge(plugin::plugin_provenance(*described.provided));
-  if (described.renderer != own_renderer) run.provenance["renderer_in_place"] = described.renderer;
+  if (described.renderer != model.own.renderer) run.provenance["renderer_in_place"] = described.renderer;
   run.provenance["geometry_sha256"] = world.geometry_sha256;
   run.provenance["trajectory_sha256"] = hash_of(trajectory);
   run.provenance["seed"] = std::to_string(golden.trajectory.seed);
@@ -319,61 +324,46 @@ CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const s
     run.provenance["operations"] = std::to_string(run.operations->total);
     run.provenance["operations_max_step"] = std::to_string(run.operations->max_per_step);
   }
-  run.provenance["command"] = fmt::format("touchstone check {} --model {}", golden.name, model);
+  run.provenance["command"] = fmt::format("touchstone check {} --model {}", golden.name, model.name);
   return run;
 }
 
-CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
-                       const CaseCheck& options) {
-  const auto folder = result_folder(options.out, golden.name, model);
-  CheckResult result;
-  CaseRun run;
-  TrajectoryColumns obtained;
-  if (auto reason = declared_not_to_run(catalogues, golden, model, options.change); !reason.empty()) {
-    result.skipped = std::move(reason);
-    return result;
-  }
-  TrajectoryColumns expected = load_golden(golden.expected(model), result);
-  try {
-    run = run_case(catalogues, golden, model, options.ctest, options.change);
-    obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, model));
-  } catch (const UsageError&) {
-    throw;
-  } catch (const Error& error) {
-    result.comparison.verdict = Verdict::invalid;
-    result.comparison.problems.push_back(error.what());
-  }
-  if (result.comparison.verdict == Verdict::equal) {
-    const std::size_t equal_answers = run.surface && pushes_to_closest(catalogues, golden, model)
-                                          ? take_equal_answers(*run.surface, golden.tolerance, obtained, expected)
-                                          : 0;
-    result.comparison = compare(expected, obtained, golden.tolerance);
-    if (equal_answers > 0)
-      result.comparison.problems.push_back(
-          fmt::format("in {} rows another surface point is as close as the golden's, and as right", equal_answers));
-    result.same_cpu = read_provenance(golden.expected(model))["cpu"] == run.provenance["cpu"];
-    result.drift_fails = options.fail_on_drift && result.comparison.drift > 0 && result.same_cpu;
-    result.share_of_jnd = share_of_jnd(expected, golden.tolerance.of("force"));
-    if (!(result.share_of_jnd <= golden.jnd_share)) {
-      result.comparison.verdict = Verdict::invalid;
-      result.comparison.problems.push_back(fmt::format(
-          "the force tolerance reaches {:.3g} of a just noticeable difference; the case allows itself {:.3g}",
-          result.share_of_jnd, golden.jnd_share));
-    }
-    if (options.ctest || result.comparison.verdict == Verdict::worse)
-      judge_by_exact_answer(catalogues, golden, model, options.change, run.rendered, result);
-    if (!options.change) judge_operations(golden, model, run, result);
-  }
-  if (options.felt && !obtained.columns.empty()) {
-    result.felt = felt_error(catalogues, golden, model, run.rendered, *options.felt);
-    result.comparison.problems.push_back(to_sentence(*result.felt, *options.felt));
-  }
-  result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
-  clear_result_folder(folder);
-  if (options.ctest)
-    measure(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256, result.measurements);
-  if (result.passed()) return result;
+}  // namespace
 
+CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model, bool time_steps,
+                 const ChangeModel& change) {
+  return run_model(catalogues, golden, read_model(golden, model, change), time_steps);
+}
+
+namespace {
+
+// What is said of a run that has a golden: within tolerance or not, nearer to the exact answer or not.
+void judge(const Catalogues& catalogues, const GoldenCase& golden, const CaseModel& model, const CaseCheck& options,
+           const CaseRun& run, const TrajectoryColumns& obtained, TrajectoryColumns& expected, CheckResult& result) {
+  const std::size_t equal_answers = run.surface && pushes_to_closest(catalogues, model)
+                                        ? take_equal_answers(*run.surface, golden.tolerance, obtained, expected)
+                                        : 0;
+  result.comparison = compare(expected, obtained, golden.tolerance);
+  if (equal_answers > 0)
+    result.comparison.problems.push_back(
+        fmt::format("in {} rows another surface point is as close as the golden's, and as right", equal_answers));
+  result.same_cpu = read_provenance(golden.expected(model.name))["cpu"] == run.provenance.at("cpu");
+  result.drift_fails = options.fail_on_drift && result.comparison.drift > 0 && result.same_cpu;
+  result.share_of_jnd = share_of_jnd(expected, golden.tolerance.of("force"));
+  if (!(result.share_of_jnd <= golden.jnd_share)) {
+    result.comparison.verdict = Verdict::invalid;
+    result.comparison.problems.push_back(
+        fmt::format("the force tolerance reaches {:.3g} of a just noticeable difference; the case allows itself {:.3g}",
+                    result.share_of_jnd, golden.jnd_share));
+  }
+  if (options.ctest || result.comparison.verdict == Verdict::worse)
+    judge_by_exact_answer(catalogues, golden, model, run.rendered, result);
+  if (!options.change) judge_operations(golden, model.name, run, result);
+}
+
+// What a person needs to look at a failure.
+void leave_behind(const CaseCheck& options, const std::filesystem::path& folder, const CaseRun& run,
+                  const TrajectoryColumns& obtained, const TrajectoryColumns& expected, CheckResult& result) {
   ensure_writable_folder(folder);
   // Git passes over the folder, so that what a failure leaves does not make a checkout look changed.
   hide_from_git(options.out);
@@ -384,6 +374,48 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
   for (const auto& [name, picture] : draw_pictures(expected, obtained, folder)) {
     if (options.ctest) result.measurements += report::picture_measurement(name, picture);
   }
+}
+
+}  // namespace
+
+CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& name,
+                       const CaseCheck& options) {
+  const auto folder = result_folder(options.out, golden.name, name);
+  CheckResult result;
+  CaseRun run;
+  TrajectoryColumns obtained, expected;
+  const auto invalid = [&](const Error& error) {
+    result.comparison.verdict = Verdict::invalid;
+    result.comparison.problems.push_back(error.what());
+  };
+  try {
+    const CaseModel model = read_model(golden, name, options.change);
+    if (options.change) result.skipped = declared_not_to_run(catalogues, golden, model);
+    if (!result.skipped.empty()) return result;
+    expected = load_golden(golden.expected(name), result);
+    try {
+      run = run_model(catalogues, golden, model, options.ctest);
+      obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, name));
+    } catch (const UsageError&) {
+      throw;
+    } catch (const Error& error) {
+      invalid(error);
+    }
+    if (result.comparison.verdict == Verdict::equal)
+      judge(catalogues, golden, model, options, run, obtained, expected, result);
+  } catch (const BadData& error) {
+    if (options.change) throw;  // of what the user put in the place of the case's own
+    invalid(error);
+  }
+  if (options.felt && !obtained.columns.empty()) {
+    result.felt = felt_error(catalogues, golden, name, run.rendered, *options.felt);
+    result.comparison.problems.push_back(to_sentence(*result.felt, *options.felt));
+  }
+  result.table = fmt::format("{} {}\n{}", golden.name, name, to_table(result.comparison));
+  clear_result_folder(folder);
+  if (options.ctest)
+    measure(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256, result.measurements);
+  if (!result.passed()) leave_behind(options, folder, run, obtained, expected, result);
   return result;
 }
 
