@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <stdexcept>
 
-#include "experiments/golden_section.h"
 #include "harness/base/error.h"
 #include "harness/base/progress.h"
 #include "harness/base/random.h"
@@ -18,10 +18,13 @@
 #include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::experiments {
+using boost::math::tools::brent_find_minima;
+
 namespace {
 
 constexpr double kLargestMu = 0.6;
 constexpr int kCurve = 24;
+constexpr int mu_bits = 14;  // a place is found to 2^-14 of itself, less than what the noise of a scan moves it
 
 // About the best place of a curve.
 double refine(const std::function<double(double)>& f, const std::vector<double>& x, const std::vector<double>& y) {
@@ -29,7 +32,7 @@ double refine(const std::function<double(double)>& f, const std::vector<double>&
   for (std::size_t i = 0; i < y.size(); ++i) {
     if (y[i] < y[best]) best = i;
   }
-  return golden_section(f, x[best == 0 ? 0 : best - 1], x[std::min(best + 1, x.size() - 1)], 1e-4);
+  return brent_find_minima(f, x[best == 0 ? 0 : best - 1], x[std::min(best + 1, x.size() - 1)], mu_bits).first;
 }
 
 }  // namespace
@@ -89,8 +92,8 @@ FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function
     const auto found = [&](const FrictionAtStiffness& own) {
       scan.stiffness_N_per_m = own.stiffness_N_per_m;
       scan.in = rendering::synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);
-      return golden_section([&](double mu) { return error(mu, 0, half).mean_N; }, 0.8 * own.fitted_mu,
-                            1.2 * own.fitted_mu, 1e-4);
+      const auto mean_N = [&](double mu) { return error(mu, 0, half).mean_N; };
+      return brent_find_minima(mean_N, 0.8 * own.fitted_mu, 1.2 * own.fitted_mu, mu_bits).first;
     };
     const double soft_mu = found(fit.soft);
     again.push_back(of_a_rigid_probe(soft_mu, found(fit.stiff)));

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "experiments/golden_section.h"
 #include "harness/base/error.h"
 #include "harness/stats/summary.h"
 
@@ -144,10 +144,11 @@ PowerLaw fit_power_law(const Approach& approach, double exponent, std::size_t ph
 }
 
 PowerLaw fit_power_law(const Approach& approach, std::size_t phase, std::size_t of) {
+  constexpr int exponent_bits = 22;  // to a few millionths
   const auto cost = [&](double exponent) {
     return sum_of_squares(approach, fit_power_law(approach, exponent, phase, of), phase, of);
   };
-  return fit_power_law(approach, golden_section(cost, 0.5, 4.0, 1e-6), phase, of);
+  return fit_power_law(approach, boost::math::tools::brent_find_minima(cost, 0.5, 4.0, exponent_bits).first, phase, of);
 }
 
 std::vector<IndentationComparison> compare_indentation(const Approach& approach) {

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <chrono>
 #include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 
 #include "experiments/density_experiment.h"
-#include "experiments/golden_section.h"
 #include "experiments/mesh_family.h"
 #include "harness/base/error.h"
 #include "harness/rendering/in_trajectory.h"
@@ -150,8 +150,10 @@ void run_friction_part(const PaperBench& bench, PaperResult& result) {
       best = i;
     }
   }
-  result.fitted_mu = golden_section(fitted, kMostMu * std::max(best - 1, 0) / kMuSteps,
-                                    kMostMu * std::min(best + 1, kMuSteps) / kMuSteps, 1e-3);
+  constexpr int mu_bits = 10;  // to a thousandth
+  result.fitted_mu = boost::math::tools::brent_find_minima(fitted, kMostMu * std::max(best - 1, 0) / kMuSteps,
+                                                           kMostMu * std::min(best + 1, kMuSteps) / kMuSteps, mu_bits)
+                         .first;
   result.without_N = error(0.0, half, bench.in().size());
   result.with_N = error(result.fitted_mu, half, bench.in().size());
 }
