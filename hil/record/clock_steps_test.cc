@@ -54,6 +54,7 @@ struct Progress {
   std::uint64_t half = 0;          // samples before the step and after it
   std::atomic<int> before, after;  // streams that wait for their first half, and for their second
   std::atomic<bool> stepped{false};
+  std::atomic<double> waits_since_s{0.0};  // when the first stream waited; 0: none does
 };
 
 // Reads half of the samples, no more until the step, so that some wait meanwhile, and then the other half. Notes by how
@@ -74,6 +75,8 @@ class InTheMiddle final : public Stream {
       *outside_s_ = std::max({*outside_s_, from_s - out[i].wrench.t_s, out[i].wrench.t_s - to_s});
     count_ += n;
     if (count_ >= progress_->half && !std::exchange(half_came_, true)) {
+      double none = 0.0;
+      progress_->waits_since_s.compare_exchange_strong(none, to_s);
       --progress_->before;
       progress_->stepped.wait(false);
     }
@@ -179,6 +182,7 @@ class ClockSteps : public ::testing::Test {
 
   // Records `half` samples of each, lets some wait, sets the clock, and records as many. `sent` counts what one of the
   // emulators sends.
+  // `waited_s_` is how long the first stream waited for the slowest.
   MultiReport record(std::vector<Rig>& rigs, std::uint64_t half, const std::function<std::uint64_t()>& sent,
                      const std::function<void()>& step) {
     constexpr std::uint64_t enough = 3;
@@ -196,6 +200,7 @@ class ClockSteps : public ::testing::Test {
         if (!sent_before) sent_before = sent();
         if (sent() >= *sent_before + enough) {
           step();
+          waited_s_ = MonotonicClock{}.now_s() - progress.waits_since_s;
           progress.stepped = true;
           progress.stepped.notify_all();
         }
@@ -235,33 +240,60 @@ class ClockSteps : public ::testing::Test {
     }
   }
 
+  // A serial line holds 4 kB and overflows while its stream waits; a device without a count cannot tell that.
+  static constexpr double longest_wait_s = 1.0;
+  static constexpr int most_tries = 5;
+  // Makes the rigs and records them, again where the machine was too busy to read all in time; empty if it always was.
+  std::optional<MultiReport> record_in_time(const std::function<std::vector<Rig>()>& make, std::vector<Rig>& rigs,
+                                            std::uint64_t half, const std::function<void()>& step) {
+    for (int i = 0; i < most_tries; ++i) {
+      rigs = make();
+      MultiReport report = record(rigs, half, sent_by(rigs[0]), step);
+      if (waited_s_ < longest_wait_s) return report;
+    }
+    return std::nullopt;
+  }
+
   fs::path folder_;
+  double waited_s_ = 0.0;
 };
+
+constexpr const char* too_busy = "the machine is too busy to read eleven devices in time";
 
 TEST_F(ClockSteps, OfThisComputerLeaveEveryAxisAsItWas) {
   for (const double step_s : {0.2, -0.2, 3.0, -3.0}) {
+    const auto make_all = [&] {
+      std::vector<Rig> all;
+      all.push_back(natnet());
+      for (const auto& make : {netft, onrobot, bota, load_cell, ndi, haply}) all.push_back(make());
+      all.push_back(vrpn());
+      all.push_back(comedi(folder_.string() + ".cal"));
+      all.push_back(vendors("force-dimension", open_force_dimension));
+      all.push_back(vendors("openhaptics", open_openhaptics));
+      return all;
+    };
     std::vector<Rig> rigs;
-    rigs.push_back(natnet());
-    for (const auto& make : {netft, onrobot, bota, load_cell, ndi, haply}) rigs.push_back(make());
-    rigs.push_back(vrpn());
-    rigs.push_back(comedi(folder_.string() + ".cal"));
-    rigs.push_back(vendors("force-dimension", open_force_dimension));
-    rigs.push_back(vendors("openhaptics", open_openhaptics));
-    const auto report = record(rigs, 30, sent_by(rigs[0]), [&] { step_system_clock(step_s); });
+    const auto report = record_in_time(make_all, rigs, 30, [&] { step_system_clock(step_s); });
+    if (!report) GTEST_SKIP() << too_busy;
     // A busy machine may lose a tick of a handle.
-    EXPECT_THAT(report.problems(), Each(HasSubstr("samples were lost on the way"))) << step_s;
+    EXPECT_THAT(report->problems(), Each(HasSubstr("samples were lost on the way"))) << step_s;
     expect_axes(rigs, step_s);
   }
 }
 
 TEST_F(ClockSteps, OfADeviceAreSaidAndBridged) {
   for (const double step_s : {0.2, -0.2, 3.0, -3.0}) {
+    const auto make_both = [step_s] {
+      std::vector<Rig> both;
+      both.push_back(natnet(0.5, step_s));
+      both.push_back(vrpn(0.5, step_s));
+      return both;
+    };
     std::vector<Rig> rigs;
-    rigs.push_back(natnet(0.5, step_s));
-    rigs.push_back(vrpn(0.5, step_s));
-    const auto report = record(rigs, 120, sent_by(rigs[0]), [] {});
+    const auto report = record_in_time(make_both, rigs, 120, [] {});
+    if (!report) GTEST_SKIP() << too_busy;
     const auto said = HasSubstr("was set 1 time meanwhile");
-    EXPECT_THAT(report.problems(), ElementsAre(said, said)) << step_s;
+    EXPECT_THAT(report->problems(), ElementsAre(said, said)) << step_s;
     expect_axes(rigs, step_s);
   }
 }
