@@ -372,11 +372,18 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
         "/probe/q_PS, the attitude of the sensor on the probe, and the force's bias",
         turn->norm(), largest_turn_rad));
   }
-  const double pull = steady_pull_N(contacts, rows.normal), most_pull = 0.125 * contact_force_N;
+  double push_N = 0.0;
+  for (std::size_t i = 0; i < contacts.t_s.size(); ++i)
+    push_N += std::max(0.0, rows.normal[i].dot(contacts.force_W_N[i])) / n;
+  // Over 10 mm, a short stroke, the scan's error turns the normal, and so much of the push lies along the surface.
+  constexpr double scan_slope_rad = scan_error_m / 0.01;
+  const double pull = steady_pull_N(contacts, rows.normal),
+               most_pull = 0.125 * contact_force_N + scan_slope_rad * push_N;
   if (pull > most_pull) {
     faults.push_back(fmt::format(
         "while the tip slides, {:.2g} N along the surface are neither friction nor the tool's inertia (limit {:.2g} N, "
-        "an eighth of the contact force): does a cable or a hose pull at the tool? Lead it along the arm, or hang it "
+        "an eighth of the contact force and what the scan's error makes of the push): does a cable or a hose pull at "
+        "the tool? Lead it along the arm, or hang it "
         "up, and record again",
         pull, most_pull));
   }
