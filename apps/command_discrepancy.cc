@@ -33,6 +33,8 @@ ExitStatus discrepancy_of_axis(const DiscrepancyOptions& options) {
   has_no_use_for(!files.mesh.empty(), "--mesh");
   has_no_use_for(!files.model.empty(), "--model");
   has_no_use_for(!files.holdout.empty(), "--holdout");
+  has_no_use_for(!files.instrument.empty(), "--instrument");
+  has_no_use_for(files.tolerance_N || files.unnoticed_passes, "--tolerance");
   has_no_use_for(!files.effects.empty(), "--effect");
   has_no_use_for(!files.golden.empty(), "--golden");
   has_no_use_for(options.verify, "--verify");

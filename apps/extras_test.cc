@@ -98,6 +98,13 @@ TEST_F(Extras, ARecordingOfOneAxisIsFittedByTheExtra) {
   const Outcome useless = with_path(path, "fit --recording joint.csv --mesh object.obj");
   EXPECT_EQ(useless.status, 2);
   EXPECT_THAT(useless.err, HasSubstr("--mesh: joint.csv is a recording of one axis, which has no use for it"));
+  for (const std::string option :
+       {"--model m.json", "--mesh o.obj", "--holdout h.csv", "--instrument i.json", "--tolerance 0.1",
+        "--tolerance noticed", "--effect e.json", "--golden g", "--verify"}) {
+    const Outcome refused = with_path(path, "discrepancy --recording joint.csv --out d " + option);
+    EXPECT_EQ(refused.status, 2) << option;
+    EXPECT_THAT(refused.err, HasSubstr(option.substr(0, option.find(' ')) + ": joint.csv is a recording of one axis"));
+  }
   const Outcome without = with_path("/usr/bin:/bin", "fit --recording joint.csv");
   EXPECT_EQ(without.status, 2);
   EXPECT_THAT(without.err, HasSubstr("touchstone-axis is neither beside this one nor on PATH"));
