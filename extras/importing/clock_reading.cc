@@ -101,7 +101,7 @@ ClockReading read_clock(const std::vector<double>& values, const ColumnName& nam
     constexpr double longest_step_s = 0.25;
     if (step <= longest_step_s && sensible(1.0)) {
       scale = 1.0;
-      reason = "the file names no unit: s is assumed, for it steps as a clock in s does";
+      reason = fmt::format("no unit is named; s is assumed, for it steps as a clock in s does: {:.4g} Hz", rate(1.0));
     }
     for (const auto& [one, unit] : scales) {
       if (sensible(one)) possible += fmt::format("{}{} ({:.4g} Hz)", possible.empty() ? "" : ", ", unit, rate(one));

@@ -98,6 +98,8 @@ void show_left_out(const ImportOptions& options, const GuessedMap& guessed) {
         fmt::format("{}{}", fmt::join(unused, ", "),
                     guessed.unused.size() > most ? fmt::format(" and {} more", guessed.unused.size() - most) : ""));
   }
+  const auto angle = std::ranges::find_if(guessed.unused, [](const auto& r) { return r.find("\"euler\"") != r.npos; });
+  if (angle != guessed.unused.end()) print_wrapped("note:", *angle);
   for (const std::string& note : guessed.read ? guessed.read->notes : std::vector<std::string>{}) {
     if (note.find("left out") == std::string::npos && note.find("cut short") == std::string::npos) continue;
     print_wrapped("note:", note.starts_with(options.file + ": ") ? note.substr(options.file.size() + 2) : note);

@@ -126,6 +126,9 @@ class Guesser {
 
   [[nodiscard]] std::string why_not_used(std::size_t t, std::size_t c) const {
     if (map_.tables[t].is_text(c)) return "it holds text";
+    if (names_angle_of_orientation(map_.tables[t].names[c])) {
+      return "of three angles, which are an orientation once \"euler\" in the map states their order and unit";
+    }
     const auto named =
         std::ranges::find_if(map_.named, [&](const NamedColumn& n) { return n.table == t && n.column == c; });
     return named == map_.named.end() ? "nothing tells what it is" : why_unused(named->name);

@@ -86,6 +86,16 @@ TEST(GuessMap, TheSameQuantitiesUnderManyNames) {
   }
 }
 
+TEST(GuessMap, ThreeAnglesAreNoOrientationUntilTheirOrderIsStated) {
+  const GuessedMap guess = guess_of("t,x_m,y_m,z_m,roll,pitch,yaw\n" + rows_of(six));
+  EXPECT_FALSE(nlohmann::json::parse(guess.json).contains("euler"));
+  EXPECT_THAT(guess.unused,
+              testing::Contains(testing::AllOf(testing::HasSubstr("roll"), testing::HasSubstr("\"euler\""))));
+  // What is assumed of the clock is said with the rate that follows.
+  EXPECT_THAT(guess.reasons,
+              testing::Contains(testing::HasSubstr("s is assumed, for it steps as a clock in s does: 250 Hz")));
+}
+
 TEST(GuessMap, UnitsOfTheTradeAreConvertedAndOthersAskedFor) {
   const Imported got =
       imported_as_guessed("time (ms),x (in),y (in),z (in),Fx (lbf),Fy (lbf),Fz (lbf)\n" + rows_of(six, 2.5));

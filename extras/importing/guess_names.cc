@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -262,6 +264,13 @@ std::string why_unused(const ColumnName& name) {
   if (name.is(Quantity::count)) return "it counts rows";
   if (name.is(Quantity::other)) return "its name is of another quantity than a recording has";
   return "see what is to be decided, or another column stands for it";
+}
+
+bool names_angle_of_orientation(std::string_view name) {
+  std::string small(name);
+  std::ranges::transform(small, small.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::any_of(std::array<std::string_view, 5>{"roll", "pitch", "yaw", "rpy", "euler"},
+                             [&](std::string_view word) { return small.find(word) != std::string::npos; });
 }
 
 std::vector<std::size_t> rotation_columns(const ImportTable& table) {

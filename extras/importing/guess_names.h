@@ -40,6 +40,8 @@ std::string said_of(const std::vector<ImportTable>& tables, std::size_t table, s
 bool have_norm_one(const ImportTable& table, const std::vector<std::size_t>& parts, bool& varies);
 // Why a column of this name is none of a recording's.
 std::string why_unused(const ColumnName& name);
+// roll, pitch, yaw, rpy, euler: conventions differ in the order of the turns and in the unit.
+bool names_angle_of_orientation(std::string_view name);
 // The columns r11, r12, ... r33 of a rotation, row by row; empty if there are not all.
 std::vector<std::size_t> rotation_columns(const ImportTable& table);
 // Whose convention says that columns without a unit are in SI: "REP 103 of ROS says"; empty if none does.

@@ -100,6 +100,13 @@ TEST(RosBag, WrenchesOfAllCompressions) {
 TEST(RosMessage, ATypeOfAnotherPackageIsAnother) {
   EXPECT_TRUE(ros_columns("turtlesim/Pose", RosEncoding::ros1, {}).empty());
   EXPECT_EQ(ros_columns("geometry_msgs/Pose", RosEncoding::ros1, {}).size(), 8U);
+  // nav_msgs/Odometry: header, child_frame_id, the pose and its covariance, the twist and its covariance.
+  EXPECT_EQ(ros_columns("nav_msgs/msg/Odometry", RosEncoding::cdr, {}).size(), 8U);
+  std::string odometry =
+      raw(std::uint32_t{1}) + raw(std::uint32_t{50}) + raw(std::uint32_t{0}) + block("odom") + block("base");
+  for (int i = 0; i < 7 + 36 + 6 + 36; ++i) odometry += raw(0.125 * i);
+  const auto values = ros_values("nav_msgs/Odometry", RosEncoding::ros1, std::as_bytes(std::span(odometry)), 0.0, "");
+  EXPECT_THAT(values, ElementsAre(50.0, 0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75));
   // A point is a position, a vector may be of gravity or of a magnet.
   EXPECT_EQ(ros_columns("geometry_msgs/PointStamped", RosEncoding::ros1, {})[1], "point.x");
   EXPECT_EQ(ros_columns("geometry_msgs/Vector3Stamped", RosEncoding::ros1, {})[1], "vector.x");

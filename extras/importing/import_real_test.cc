@@ -67,6 +67,27 @@ TEST(RealImport, LayoutsOfMakersByTheirMaps) {
   EXPECT_EQ(trajectory.columns[4][5], 0.8) << "the real part stands last";
 }
 
+// capisample of NDI's Combined API, as two public programs made from it write it: a line for each frame, a tool and its
+// markers behind one another, a missing tool's values empty.
+TEST(RealImport, TrackerTableOfNdiByItsMap) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("capi-{}.csv", ::getpid());
+  std::string table =
+      "ToolCount,ToolInfo,Frame#,PortHandle,Face#,timespec_s,timespec_ns,TransformStatus,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Error,"
+      "#Markers,Marker0.Status,Tx,Ty,Tz\n";
+  for (int i = 0; i < 5; ++i) {
+    table += fmt::format("1,,{},Port:1,0,1700000000,{},", 300 + i, 25'000'000 * i);
+    table += i == 2 ? "Missing,,,,,,,,,1,Missing,,,\n"
+                    : fmt::format("Enabled,0.8,0.6,0,0,{},20,-150,0.1,1,OK,1,2,3\n", 10 + 0.5 * i);
+  }
+  write_file(path, table);
+  const Imported got = by_map(path, "ndi-capi.json");
+  ASSERT_EQ(got.columns[0].size(), 4U) << "the row without a tool is none";
+  EXPECT_NEAR(got.columns[0][3], 0.1, 1e-6);
+  EXPECT_NEAR(got.columns[1][1], 0.0105, 1e-15);
+  EXPECT_NEAR(got.columns[3][3], -0.15, 1e-15);
+  EXPECT_EQ(got.columns[4][0], 0.8) << "the real part stands first";
+}
+
 TEST(RealImport, Axia80PosesGiveTheToolInTheWorldsFrame) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "tool-gravity-axia80/recorded_messages_wrench_100.txt");
   const Imported got = by_map(file, "tool-gravity-axia80.json");

@@ -70,11 +70,13 @@ const std::vector<Layout>& layouts() {
   static const std::vector<std::string> vector{"vector.x", "vector.y", "vector.z"};  // of anything
   static const std::vector<std::string> twist{"linear.x",  "linear.y",  "linear.z",
                                               "angular.x", "angular.y", "angular.z"};
-  static const std::vector<Layout> all{{"WrenchStamped", true, false, wrench}, {"Wrench", false, false, wrench},
-                                       {"PoseStamped", true, false, pose},     {"Pose", false, false, pose},
-                                       {"TransformStamped", true, true, pose}, {"Transform", false, false, pose},
-                                       {"PointStamped", true, false, point},   {"Vector3Stamped", true, false, vector},
-                                       {"TwistStamped", true, false, twist},   {"Float64", false, false, {"data"}}};
+  static const std::vector<Layout> all{
+      {"WrenchStamped", true, false, wrench}, {"Wrench", false, false, wrench},
+      {"PoseStamped", true, false, pose},     {"Pose", false, false, pose},
+      {"TransformStamped", true, true, pose}, {"Transform", false, false, pose},
+      {"Odometry", true, true, pose},         {"PoseWithCovarianceStamped", true, false, pose},
+      {"PointStamped", true, false, point},   {"Vector3Stamped", true, false, vector},
+      {"TwistStamped", true, false, twist},   {"Float64", false, false, {"data"}}};
   return all;
 }
 
@@ -84,7 +86,8 @@ std::string_view bare(std::string_view type) { return type.substr(type.rfind('/'
 // Other packages have types of the same name: turtlesim/Pose is two numbers and an angle.
 bool of_known_package(std::string_view type) {
   const std::string_view package = type.substr(0, type.find('/'));
-  return package == type || package == "geometry_msgs" || package == "sensor_msgs" || package == "std_msgs";
+  return package == type || package == "geometry_msgs" || package == "sensor_msgs" || package == "std_msgs" ||
+         package == "nav_msgs";
 }
 
 const Layout* layout_of(std::string_view type) {

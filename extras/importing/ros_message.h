@@ -1,5 +1,6 @@
 // The messages of forces and poses as ROS serializes them, to numbers. Layouts: geometry_msgs (WrenchStamped,
-// PoseStamped, TransformStamped, TwistStamped, PointStamped), sensor_msgs/JointState, std_msgs/Float64. Encodings:
+// PoseStamped, PoseWithCovarianceStamped, TransformStamped, TwistStamped, PointStamped), nav_msgs/Odometry (its pose),
+// sensor_msgs/JointState, std_msgs/Float64. Encodings:
 // ROS 1, little-endian without padding (wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes); ROS 2,
 // CDR with a header of 4 bytes and values aligned to their size (OMG DDS-XTypes 1.3, section 7.4.3, XCDR version 1).
 #pragma once
