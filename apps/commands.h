@@ -30,7 +30,6 @@ void add_perceive(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_scorecard(CLI::App& program, Run& run);
 void add_synth(CLI::App& program, Run& run);
-void add_tool(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
 // Those that need no heavy library. The program `touchstone` has them itself and becomes another file for every
@@ -66,7 +65,6 @@ inline std::vector<AddCommand> commands() {
       add_replay,
       add_scorecard,
       add_synth,
-      add_tool,
       add_version,
   };
 }

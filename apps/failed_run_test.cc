@@ -63,7 +63,8 @@ const std::map<std::string, Failing>& failing_commands() {
       {"tool case", {"", "nonsense"}},
       {"tool replay", {tool + "mesh.obj --path absent.csv", tool + "mesh.obj --path bad.csv"}},
       {"tool table", {"", "nonsense"}},
-      {"tool-atlas", {"--merge absent.sqlite", "--merge bad.csv"}},
+      {"tool atlas", {"--merge absent.sqlite", "--merge bad.csv"}},
+      {"tool sweep", {"absent.json", "bad.json"}},
       {"tool fit", {tool + "mesh.obj absent.csv", tool + "mesh.obj bad.csv"}},
       {"tool golden", {"absent.json", "bad.json"}},
       {"tool scorecard", {"--case nonsense", "--renderer nonsense"}},
@@ -127,8 +128,7 @@ class FailedRun : public testing::BuiltProgram {
 TEST_F(FailedRun, EveryCommandWithOutIsInTheTable) {
   std::set<std::string> found;
   commands_with_out("", found);
-  for (const char* const extra :
-       {"atlas", "axis", "blind", "experiment", "import", "leaderboard", "sweep", "tool-atlas"})
+  for (const char* const extra : {"atlas", "axis", "blind", "experiment", "import", "leaderboard", "sweep", "tool"})
     commands_with_out(extra, found);
   EXPECT_GT(found.size(), 40U);
   for (const std::string& words : found) EXPECT_TRUE(failing_commands().contains(words)) << words;

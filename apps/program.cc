@@ -43,12 +43,8 @@ const CLI::App* named_command(const CLI::App& program, int argc, char** argv) {
     auto names = names_of_commands(*app);
     if (names.empty()) break;
     if (std::ranges::find(names, argv[i]) == names.end()) {
-      // `touchstone tool atlas` may be touchstone-tool-atlas.
-      const std::string name = i == 1 ? argv[1] : fmt::format("{}-{}", argv[1], argv[2]);
-      if (i <= 2) {
-        if (const auto extra = find_extra(name)) become_extra(*extra, argv + i + 1);
-      }
       if (i == 1) {
+        if (const auto extra = find_extra(argv[1])) become_extra(*extra, argv + 2);
         for (const Extra& extra : find_extras(names)) names.push_back(extra.name);
       }
       throw UsageError(unknown_name("command", argv[i], names));

@@ -11,9 +11,9 @@
 #include <numbers>
 #include <vector>
 
+#include "contacts/tool_meshes.h"
 #include "harness/tool/tool_path.h"
-#include "renderers/tool/tool_catalogue.h"
-#include "synthetic/tool/tool_meshes.h"
+#include "tool_renderers/tool_catalogue.h"
 
 namespace touchstone::bench {
 namespace {
@@ -70,30 +70,30 @@ void run(benchmark::State& state, tool::ToolRenderer& renderer, const Pose& touc
 
 void BM_VoxmapPointshell(benchmark::State& state) {
   // An ellipsoid of 40 mm with a point per 1.45 mm: about 2,000 points.
-  const Tool tool = solid(synthetic::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 40000));
+  const Tool tool = solid(contacts::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 40000));
   ToolSettings settings;
   constexpr double kSpacing_m = 1.45e-3;
   settings.parameters["point_spacing_m"] = kSpacing_m;
-  const auto object = synthetic::ellipsoid_mesh(Vec3(0, 0, -0.05), Vec3(0.05, 0.05, 0.05), 100000);
-  const auto renderer = renderers::make_tool_renderer("voxmap-pointshell", tool, object, settings);
+  const auto object = contacts::ellipsoid_mesh(Vec3(0, 0, -0.05), Vec3(0.05, 0.05, 0.05), 100000);
+  const auto renderer = tool_renderers::make_tool_renderer("voxmap-pointshell", tool, object, settings);
   run(state, *renderer, {Vec3(0, 0, 0.046), Quat::Identity()});
   state.counters["points"] = double(tool::make_point_shell(tool.mesh_T, kSpacing_m).size());
 }
 BENCHMARK(BM_VoxmapPointshell)->Unit(benchmark::kMillisecond);
 
 void BM_GodObjectBallOnBall(benchmark::State& state) {
-  const Tool tool = solid(synthetic::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 10000));
-  const auto object = synthetic::ellipsoid_mesh(Vec3(0, 0, -0.05), Vec3(0.05, 0.05, 0.05), 10000);
-  const auto renderer = renderers::make_tool_renderer("god-object-tool", tool, object, {});
+  const Tool tool = solid(contacts::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 10000));
+  const auto object = contacts::ellipsoid_mesh(Vec3(0, 0, -0.05), Vec3(0.05, 0.05, 0.05), 10000);
+  const auto renderer = tool_renderers::make_tool_renderer("god-object-tool", tool, object, {});
   run(state, *renderer, {Vec3(0, 0, 0.046), Quat::Identity()});
 }
 BENCHMARK(BM_GodObjectBallOnBall)->Unit(benchmark::kMillisecond);
 
 // Hundreds of candidate pairs: the finely divided faces of a cube and a slab.
 void BM_GodObjectBoxOnSlab(benchmark::State& state) {
-  const Tool tool = solid(synthetic::box_mesh(Vec3(-0.01, -0.01, -0.03), Vec3(0.01, 0.01, -0.01), 29));
-  const auto object = synthetic::box_mesh(Vec3(-0.04, -0.04, -0.02), Vec3(0.04, 0.04, 0.0), 29);
-  const auto renderer = renderers::make_tool_renderer("god-object-tool", tool, object, {});
+  const Tool tool = solid(contacts::box_mesh(Vec3(-0.01, -0.01, -0.03), Vec3(0.01, 0.01, -0.01), 29));
+  const auto object = contacts::box_mesh(Vec3(-0.04, -0.04, -0.02), Vec3(0.04, 0.04, 0.0), 29);
+  const auto renderer = tool_renderers::make_tool_renderer("god-object-tool", tool, object, {});
   run(state, *renderer, {Vec3(0, 0, 0.03), Quat::Identity()});
 }
 BENCHMARK(BM_GodObjectBoxOnSlab)->Unit(benchmark::kMillisecond);
@@ -104,12 +104,12 @@ void BM_GodObjectTenContacts(benchmark::State& state) {
   TriangleMesh ring;
   for (int k = 0; k < 10; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / 10.0;
-    const TriangleMesh ball = synthetic::ellipsoid_mesh(
+    const TriangleMesh ball = contacts::ellipsoid_mesh(
         Vec3(kRing_m * std::cos(angle), kRing_m * std::sin(angle), -kBall_m), Vec3::Constant(kBall_m), 1000);
-    ring = k == 0 ? ball : synthetic::joined(ring, ball);
+    ring = k == 0 ? ball : contacts::joined(ring, ball);
   }
-  const Tool tool = solid(synthetic::ellipsoid_mesh(Vec3::Zero(), Vec3::Constant(kTool_m), 10000));
-  const auto renderer = renderers::make_tool_renderer("god-object-tool", tool, ring, {});
+  const Tool tool = solid(contacts::ellipsoid_mesh(Vec3::Zero(), Vec3::Constant(kTool_m), 10000));
+  const auto renderer = tool_renderers::make_tool_renderer("god-object-tool", tool, ring, {});
   const double height = std::sqrt((kTool_m + kBall_m) * (kTool_m + kBall_m) - kRing_m * kRing_m) - kBall_m;
   constexpr double kAside = 0.1;  // of the other runs: it stays in the ring
   run(state, *renderer, {Vec3(0, 0, height), Quat::Identity()}, kAside);
@@ -117,9 +117,9 @@ void BM_GodObjectTenContacts(benchmark::State& state) {
 BENCHMARK(BM_GodObjectTenContacts)->Unit(benchmark::kMillisecond);
 
 void BM_PenaltyBallOnBall(benchmark::State& state) {
-  const Tool tool = solid(synthetic::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 10000));
-  const auto object = synthetic::ellipsoid_mesh(Vec3(0, 0, -0.05), Vec3(0.05, 0.05, 0.05), 10000);
-  const auto renderer = renderers::make_tool_renderer("penalty-coupling", tool, object, {});
+  const Tool tool = solid(contacts::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 10000));
+  const auto object = contacts::ellipsoid_mesh(Vec3(0, 0, -0.05), Vec3(0.05, 0.05, 0.05), 10000);
+  const auto renderer = tool_renderers::make_tool_renderer("penalty-coupling", tool, object, {});
   run(state, *renderer, {Vec3(0, 0, 0.046), Quat::Identity()});
 }
 BENCHMARK(BM_PenaltyBallOnBall)->Unit(benchmark::kMillisecond);

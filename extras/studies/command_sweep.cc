@@ -1,14 +1,15 @@
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/case_flags.h"
+#include "apps/extras.h"
+#include "harness/base/json_reader.h"
 #include "renderers/catalogue.h"
-#include "renderers/tool/tool_catalogue.h"
 #include "study_commands.h"
 #include "sweep/sweep_cases.h"
-#include "sweep/tool_sweep.h"
 #include "synthetic/generators.h"
-#include "synthetic/tool/known_contacts.h"
 
 namespace touchstone::studies {
 namespace {
@@ -18,13 +19,29 @@ struct SweepOptions {
   runs::CaseOptions cases;
 };
 
+// One of tools with a shape is the business of another extra, with the same options.
+std::optional<ExitStatus> swept_as_tools(const SweepOptions& options) {
+  const nlohmann::json document = load_json(options.specification);
+  if (!document.is_object() || document.value("schema", nlohmann::json()) != "touchstone-tool-sweep/1") {
+    return std::nullopt;
+  }
+  const auto extra = apps::find_extra("tool");
+  if (!extra) {
+    throw UsageError(options.specification +
+                     ": is a sweep of tools with a shape, which needs the extra `tool` (touchstone-tool), and it is "
+                     "neither beside this program nor on PATH");
+  }
+  const auto& words = apps::command_line();  // touchstone-sweep sweep ...
+  return run_extra_and_wait(*extra, {words.begin() + 1, words.end()});
+}
+
 ExitStatus sweep_command(const SweepOptions& options) {
-  const sweep::SweepDesign design(options.specification);
+  if (const auto status = swept_as_tools(options)) return *status;
+  const runs::SweepDesign design(options.specification, sweep::sweep_parts());
   sweep::SweepWorld world({renderers::built_in_catalogue(), synthetic::built_in_generators()}, design);
-  const sweep::ToolSweep tools{renderers::tool_renderer_catalogue(), synthetic::known_contacts};
   runs::CaseCommand command;
-  command.job = design.of_tools() ? tool_sweep_job(design, tools) : sweep_job(design, world);
-  command.table = design.of_tools() ? tool_sweep_table(design) : sweep_table(design);
+  command.job = sweep::sweep_job(design, world);
+  command.table = sweep::sweep_table(design);
   command.words = {"sweep", std::filesystem::absolute(options.specification).string()};
   command.describe = [&](std::uint64_t number) { return design.at(number).document; };
   command.one_build = false;

@@ -9,6 +9,5 @@ void add_atlas(CLI::App& program, apps::Run& run);
 void add_blind(CLI::App& program, apps::Run& run);
 void add_experiment(CLI::App& program, apps::Run& run);
 void add_sweep(CLI::App& program, apps::Run& run);
-void add_tool_atlas(CLI::App& program, apps::Run& run);  // "tool-atlas", which `touchstone tool atlas` finds
 
 }  // namespace touchstone::studies

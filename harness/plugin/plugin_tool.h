@@ -1,5 +1,5 @@
 // A plug-in's renderers of tools with a shape (<touchstone/plugin2.h>, tip_kind TOUCHSTONE2_TOOL) as entries like those
-// of renderers/tool.
+// of extras/tool.
 #pragma once
 
 #include <filesystem>

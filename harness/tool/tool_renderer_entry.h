@@ -1,5 +1,5 @@
 // What a program knows of a kind of renderer of tools before it makes one: its name, its parameters and how to make it.
-// Entries come from renderers/tool and from plug-ins (harness/plugin).
+// Entries come from extras/tool and from plug-ins (harness/plugin).
 #pragma once
 
 #include <filesystem>

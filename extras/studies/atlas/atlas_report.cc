@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "atlas/map_picture.h"
 #include "harness/report/console.h"
 #include "harness/report/evaluation_page.h"
+#include "harness/report/map_picture.h"
 
 namespace touchstone::atlas {
 using report::Section;
@@ -80,8 +80,8 @@ void each_map(const std::vector<AtlasCase>& cases, Scene scene, Visit&& visit) {
   }
 }
 
-CellMap drawn(const Map& map, Scene scene) {
-  CellMap out;
+report::PictureCells drawn(const Map& map, Scene scene) {
+  report::PictureCells out;
   for (const double s : map.sharpness) out.across.push_back(sharpness_label(scene, s));
   for (const double k : map.stiffness) {
     out.up.push_back(fmt::format("{:g}", k));
@@ -238,7 +238,7 @@ std::string atlas_to_json(const std::vector<AtlasCase>& cases) {
 }
 
 std::string atlas_picture(const std::vector<AtlasCase>& cases, Scene scene) {
-  MapPicture picture;
+  report::MapPicture picture;
   picture.title = scene == Scene::bump ? "Bump: stiffness [N/m] over the angle of its sides [rad]"
                                        : "Thin shell: stiffness [N/m] over its thickness [mm]";
   picture.rows = values_of(cases, scene, &AtlasCase::renderer);
@@ -249,7 +249,7 @@ std::string atlas_picture(const std::vector<AtlasCase>& cases, Scene scene) {
     picture.maps.emplace_back();
     for (const double mu : mus) picture.maps.back().push_back(drawn(Map(cases, scene, renderer, mu), scene));
   }
-  return map_picture_svg(picture);
+  return report::map_picture_svg(picture);
 }
 
 }  // namespace touchstone::atlas

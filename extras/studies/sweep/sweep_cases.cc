@@ -2,6 +2,8 @@
 
 namespace touchstone::sweep {
 using runs::CaseRow;
+using runs::SweepCase;
+using runs::SweepDesign;
 
 runs::CaseTable sweep_table(const SweepDesign& design) {
   using enum runs::CaseColumn::Type;
@@ -30,10 +32,13 @@ runs::CaseJob sweep_job(const SweepDesign& design, SweepWorld& world) {
 
 CaseRow sweep_row(const SweepOutcome& outcome) {
   const SweepCase& one = outcome.one;
-  CaseRow row{one.number, outcome.error, {one.surface, one.trajectory, one.model}};
+  CaseRow row{one.number, outcome.error, {}};
   const auto add = [&row](bool there, const auto& value) {
     row.values.push_back(there ? runs::CaseValue(value) : runs::CaseValue());
   };
+  std::vector<std::string> chosen = one.chosen;
+  chosen.resize(3);  // empty where the case could not be made
+  for (const std::string& name : chosen) add(true, name);
   add(one.seed.has_value(), one.seed.value_or(0));
   for (const double value : one.varied) add(true, value);
   const bool ran = outcome.error.empty();

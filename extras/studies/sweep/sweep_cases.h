@@ -6,9 +6,9 @@
 
 namespace touchstone::sweep {
 
-runs::CaseTable sweep_table(const SweepDesign& design);
+runs::CaseTable sweep_table(const runs::SweepDesign& design);
 // Both must live as long as the job.
-runs::CaseJob sweep_job(const SweepDesign& design, SweepWorld& world);
+runs::CaseJob sweep_job(const runs::SweepDesign& design, SweepWorld& world);
 runs::CaseRow sweep_row(const SweepOutcome& outcome);
 
 }  // namespace touchstone::sweep

@@ -21,6 +21,8 @@
 namespace touchstone::sweep {
 using runs::CaseStore;
 using runs::CaseTally;
+using runs::SweepCase;
+using runs::SweepDesign;
 
 namespace {
 
@@ -76,14 +78,14 @@ class Sweep : public testing::Test {
 };
 
 TEST_F(Sweep, AGridNumbersEveryCombinationOnce) {
-  const SweepDesign design(write(grid()));
+  const SweepDesign design(write(grid()), sweep_parts());
   EXPECT_EQ(design.size(), 2U * 1U * 2U * 3U * 3U * 2U);
   std::set<std::string> documents;
   for (std::uint64_t n = 0; n < design.size(); ++n) documents.insert(design.at(n).document);
   EXPECT_EQ(documents.size(), design.size());
   const SweepCase last = design.at(design.size() - 1);
-  EXPECT_EQ(last.surface, "floor");
-  EXPECT_EQ(last.model, "spring");
+  EXPECT_EQ(last.chosen.front(), "floor");
+  EXPECT_EQ(last.chosen.back(), "spring");
   EXPECT_EQ(last.seed, 2U);
   EXPECT_EQ(last.varied, (std::vector<double>{900.0, 100.0}));
   EXPECT_NEAR(design.at(2).varied[1], 1.0, 1e-15);
@@ -91,7 +93,7 @@ TEST_F(Sweep, AGridNumbersEveryCombinationOnce) {
 
 TEST_F(Sweep, AHypercubeHasEachStratumOfEachAxisOnce) {
   for (const std::size_t cases : {1U, 7U, 1000U}) {
-    const SweepDesign design(write(hypercube(cases)));
+    const SweepDesign design(write(hypercube(cases)), sweep_parts());
     std::set<int> stiffness;
     std::set<int> scale;
     std::map<std::string, std::size_t> surfaces;
@@ -99,7 +101,7 @@ TEST_F(Sweep, AHypercubeHasEachStratumOfEachAxisOnce) {
       const SweepCase one = design.at(n);
       stiffness.insert(static_cast<int>((one.varied[0] - 100.0) / 900.0 * static_cast<double>(cases)));
       scale.insert(static_cast<int>((std::log10(one.varied[1]) + 2.0) / 4.0 * static_cast<double>(cases)));
-      ++surfaces[one.surface];
+      ++surfaces[one.chosen.front()];
       EXPECT_EQ(one.document, design.at(n).document);
     }
     EXPECT_EQ(stiffness.size(), cases);
@@ -111,7 +113,7 @@ TEST_F(Sweep, AHypercubeHasEachStratumOfEachAxisOnce) {
 }
 
 TEST_F(Sweep, ResultsDoNotDependOnThreadsOrShardsToTheBit) {
-  const SweepDesign design(write(hypercube(60)));
+  const SweepDesign design(write(hypercube(60)), sweep_parts());
   const std::string alone = run_all(design, "one.sqlite", 1);
   EXPECT_EQ(run_all(design, "four.sqlite", 4), alone);
   CaseStore merged(out("merged.sqlite"), sweep_table(design));
@@ -130,7 +132,7 @@ TEST_F(Sweep, ResultsDoNotDependOnThreadsOrShardsToTheBit) {
 
 // A sweep that is killed in the middle, again and again, ends with the rows of one that was not.
 TEST_F(Sweep, GoesOnAfterKillWithoutCountingTwice) {
-  const SweepDesign design(write(hypercube(1500)));
+  const SweepDesign design(write(hypercube(1500)), sweep_parts());
   const auto file = out("killed.sqlite");
   std::uint64_t before = 0;
   int kills = 0;
@@ -171,7 +173,7 @@ TEST_F(Sweep, ACaseThatFailsIsARowWithItsError) {
   json spec = grid();
   spec["vary"][0]["values"] = {300, -1};
   spec["surfaces"]["nothing"] = {{"name", "no-such-shape"}, {"triangles", 10}};
-  const SweepDesign design(write(spec));
+  const SweepDesign design(write(spec), sweep_parts());
   CaseStore store(out("failing.sqlite"), sweep_table(design));
   store.start_run({});
   const CaseTally tally = run(design, store, {}, 2);
@@ -195,7 +197,7 @@ TEST_F(Sweep, TheExactAnswerIsNearOnAFineMeshAndScalesWithTheWorld) {
   spec["surfaces"]["ball"]["triangles"] = 20000;
   spec["vary"] = {{{"set", "/scale"}, {"values", {0.001, 1.0, 1000.0}}}};
   spec["trajectories"]["tap"]["offset_m"] = {0.0, 0.0, 0.03};
-  const SweepDesign design(write(spec));
+  const SweepDesign design(write(spec), sweep_parts());
   SweepWorld world({renderers::built_in_catalogue(), synthetic::built_in_generators()}, design);
   for (std::uint64_t n = 0; n < design.size(); ++n) {
     const SweepOutcome outcome = world.run(n);
@@ -210,21 +212,21 @@ TEST_F(Sweep, TheExactAnswerIsNearOnAFineMeshAndScalesWithTheWorld) {
 }
 
 TEST_F(Sweep, AForeignFileIsRefusedAndLeftAsItIs) {
-  const SweepDesign design(write(grid()));
+  const SweepDesign design(write(grid()), sweep_parts());
   write_file(out("notes.txt"), "my notes, longer than the head of a database, so that nothing could take them for one");
   EXPECT_THROW(CaseStore(out("notes.txt"), sweep_table(design)), BadData);
   EXPECT_THAT(read_file(out("notes.txt")), testing::StartsWith("my notes"));
   { const CaseStore first(out("first.sqlite"), sweep_table(design)); }
   json other = grid();
   other["seeds"] = {1};
-  const SweepDesign another(write(other, "other.json"));
+  const SweepDesign another(write(other, "other.json"), sweep_parts());
   EXPECT_THROW(CaseStore(out("first.sqlite"), sweep_table(another)), BadData);
   const CaseStore writing(out("first.sqlite"), sweep_table(design));
   EXPECT_THROW(CaseStore(out("first.sqlite"), sweep_table(design)), BadData);
 }
 
 TEST_F(Sweep, PartsThatDisagreeAreNotMerged) {
-  const SweepDesign design(write(hypercube(5)));
+  const SweepDesign design(write(hypercube(5)), sweep_parts());
   run_all(design, "a.sqlite", 1);
   run_all(design, "b.sqlite", 1);
   sqlite3* database = nullptr;
@@ -239,7 +241,7 @@ TEST_F(Sweep, PartsThatDisagreeAreNotMerged) {
 }
 
 TEST_F(Sweep, AMergedCaseStandsForOneThatFailed) {
-  const SweepDesign design(write(hypercube(5)));
+  const SweepDesign design(write(hypercube(5)), sweep_parts());
   run_all(design, "whole.sqlite", 1);
   run_all(design, "gaps.sqlite", 1);
   sqlite3* database = nullptr;
@@ -277,7 +279,7 @@ TEST_P(Refused, WithItsPlace) {
     spec[at] = GetParam().value;
   }
   try {
-    const SweepDesign design(write(spec));
+    const SweepDesign design(write(spec), sweep_parts());
     FAIL() << "was taken";
   } catch (const BadData& error) {
     EXPECT_THAT(error.what(), HasSubstr(GetParam().said));

@@ -16,6 +16,8 @@
 
 namespace touchstone::sweep {
 using recording::InTrajectory;
+using runs::SweepCase;
+using runs::SweepDesign;
 
 namespace {
 
@@ -53,8 +55,14 @@ struct SweepWorld::State {
     JsonObject root(document, source, "");
     const double scale = positive(root, "scale");
     const double speed = positive(root, "speed");
-    const auto world = surfaces.get(one.surface_key, [&] { return make_surface(root, scale); });
-    const auto trajectory = trajectories.get(one.trajectory_key, [&] {
+    // Parts that cases may share: equal text, equal structure.
+    const auto text_of = [&](std::initializer_list<const char*> keys) {
+      std::string text;
+      for (const char* const key : keys) text += document[key].dump() + "\n";
+      return text;
+    };
+    const auto world = surfaces.get(text_of({"surface", "scale"}), [&] { return make_surface(root, scale); });
+    const auto trajectory = trajectories.get(text_of({"trajectory", "scale", "speed"}), [&] {
       return std::make_shared<InTrajectory>(golden::case_trajectory(
           catalogues.generators,
           read_case_trajectory(root.object("trajectory"), design->folder(), golden::CaseFiles::anywhere), scale,
@@ -92,6 +100,23 @@ struct SweepWorld::State {
                                             [](const SharedSurface& s) { return s.triangles + of_a_scene; }};
   runs::SharedCache<InTrajectory> trajectories{most_samples, [](const InTrajectory& t) { return t.size() + 1; }};
 };
+
+runs::DesignParts sweep_parts() {
+  constexpr auto files = golden::CaseFiles::anywhere;
+  return {
+      "touchstone-sweep/1",
+      {{"surface", "surfaces", [](JsonObject one, const auto& folder) { read_case_surface(one, folder, files); }, 0},
+       {"trajectory", "trajectories",
+        [](JsonObject one, const auto& folder) { read_case_trajectory(one, folder, files); }, 1},
+       {"model", "models",
+        [](const JsonObject& model, const auto& folder) {
+          rendering::parse_model(model.text_of_all(), model.source() + ": " + model.place(), folder);
+        },
+        2}},
+      {"scale", "speed"},
+      "trajectory",
+      true};
+}
 
 SweepWorld::SweepWorld(const golden::Catalogues& catalogues, const SweepDesign& design)
     : state_(std::make_unique<State>(catalogues, design)) {}

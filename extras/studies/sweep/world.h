@@ -9,12 +9,18 @@
 
 #include "harness/golden/exact_error.h"
 #include "harness/golden/golden_summary.h"
-#include "sweep/design.h"
+#include "harness/runs/design.h"
 
 namespace touchstone::sweep {
 
+// Cases of points: surfaces and trajectories are those of golden cases (harness/golden/golden_case.h), a model is
+// touchstone-model/1, /scale and /speed are of the whole; the seed is the trajectory's:
+//   "surfaces": {"ball": {"name": "sphere", "parameters": {"radius_m": 0.03}, "triangles": 2000}},
+//   "trajectories": {"scan": {"name": "hand-scan", "offset_m": [0, 0, 0.03]}}
+runs::DesignParts sweep_parts();
+
 struct SweepOutcome {
-  SweepCase one;
+  runs::SweepCase one;
   std::string error;  // empty: it ran
   golden::GoldenSummary summary;
   std::optional<golden::ExactError> exact;  // where it is asked for, on generated surfaces
@@ -23,7 +29,7 @@ struct SweepOutcome {
 class SweepWorld {
  public:
   // Both must live as long as the world.
-  SweepWorld(const golden::Catalogues& catalogues, const SweepDesign& design);
+  SweepWorld(const golden::Catalogues& catalogues, const runs::SweepDesign& design);
   ~SweepWorld();
   SweepWorld(const SweepWorld&) = delete;
   SweepWorld& operator=(const SweepWorld&) = delete;
