@@ -15,14 +15,12 @@ void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
 void add_completion(CLI::App& program, Run& run);
 void add_convert(CLI::App& program, Run& run);
-void add_dashboard(CLI::App& program, Run& run);
 void add_dataset(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
 void add_discrepancy(CLI::App& program, Run& run);
 void add_fit(CLI::App& program, Run& run);
 void add_formats(CLI::App& program, Run& run);
 void add_golden(CLI::App& program, Run& run);
-void add_history(CLI::App& program, Run& run);
 void add_hil(CLI::App& program, Run& run);
 void add_evaluate(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
@@ -50,14 +48,12 @@ inline std::vector<AddCommand> commands() {
       add_compare,
       add_completion,
       add_convert,
-      add_dashboard,
       add_dataset,
       add_doctor,
       add_discrepancy,
       add_fit,
       add_formats,
       add_golden,
-      add_history,
       add_hil,
       add_evaluate,
       add_list,
