@@ -131,6 +131,7 @@ ToolLoad find_tool(const AcquisitionDescription& d, AcquisitionReport& report) {
   if (d.tool_file) {
     const auto poses = read_static_poses(*d.tool_file, false);
     report.tool = identify_tool(poses, d.gravity_T_m_per_s2, d.tool_file->string());
+    report.gains = identify_gains(poses, d.gravity_T_m_per_s2);
     const FrameCheck frames = check_frames(poses, {}, *report.tool, d.gravity_T_m_per_s2, d.tool_file->string());
     if (frames.bad_fit) throw BadData(frames.message(*report.tool, d.tool_file->string()));
     return report.tool->load;
@@ -329,6 +330,18 @@ void check_air(const AcquisitionDescription& d, const Merged& merged, const Moti
   refuse(d, check.faults);
 }
 
+void check_gains(const AcquisitionDescription& d, const Merged& merged, const MotionStream& motion,
+                 AcquisitionReport& report) {
+  std::vector<Vec3> contact_S_N;
+  for (std::size_t i = 0; i < merged.t_s.size(); ++i) {
+    if (merged.f_T_N[i].norm() >= d.contact_force_N)
+      contact_S_N.push_back(motion.q_TS[merged.sample[i]].conjugate() * merged.f_T_N[i]);
+  }
+  report.gain_error = gain_error(report.gains, contact_S_N, d.contact_force_N, d.weighed_kg);
+  if (!report.gain_error->fault.empty()) refuse(d, {report.gain_error->fault});
+  if (!report.gain_error->doubt.empty()) report.notes.push_back(report.gain_error->doubt);
+}
+
 ContactSamples contacts_at(const AcquisitionDescription& d, const Merged& merged, const MotionStream& motion,
                            const std::vector<std::size_t>& index, const RigidTransform& object) {
   ContactSamples contacts;
@@ -433,6 +446,8 @@ Acquired acquire(const AcquisitionDescription& d) {
   }
   // Without a tool its weight is in the force, as the note says: there is nothing to hold free air against.
   if (d.tool_file || d.tool) {
+    // Wrong gains show in free air too, as a bias.
+    check_gains(d, merged, motion, report);
     const double weight_N = tool.mass_kg * d.gravity_T_m_per_s2.norm();
     check_air(d, merged, motion, free_air_of(d, merged, gap_m, tip, object.q.conjugate() * d.tap_normal_W, weight_N),
               tool, report);

@@ -60,6 +60,7 @@ TEST(SessionCheck, EachDisturbanceIsNamedWithTheNextStep) {
   EXPECT_THAT(said(Disturbance::turned_sensor), HasSubstr("/probe/q_PS"));
   EXPECT_THAT(said(Disturbance::reversed_statics), HasSubstr("--flip-force"));
   EXPECT_THAT(said(Disturbance::cable), HasSubstr("does a cable or a hose pull at the tool"));
+  EXPECT_THAT(said(Disturbance::gain), HasSubstr("the gains of the force's axes do not agree"));
 }
 
 // Places along z at 60 Hz, a hundred at rest and then these steps [mm].
