@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <span>
 
@@ -344,9 +345,16 @@ void check_gains(const AcquisitionDescription& d, const Merged& merged, const Mo
 
 ContactSamples contacts_at(const AcquisitionDescription& d, const Merged& merged, const MotionStream& motion,
                            const std::vector<std::size_t>& index, const RigidTransform& object) {
+  // The outermost frame within half of the span, and the next one at least.
+  const auto reach = [&](std::size_t i, std::size_t last, auto next) {
+    std::size_t k = i;
+    while (k != last && (k == i || std::abs(merged.t_s[next(k)] - merged.t_s[i]) <= 0.5 * speed_span_s)) k = next(k);
+    return k;
+  };
   ContactSamples contacts;
   for (const std::size_t i : index) {
-    const std::size_t before = i > 0 ? i - 1 : i, after = i + 1 < merged.t_s.size() ? i + 1 : i;
+    const std::size_t before = reach(i, 0, [](std::size_t k) { return k - 1; }),
+                      after = reach(i, merged.t_s.size() - 1, [](std::size_t k) { return k + 1; });
     contacts.t_s.push_back(merged.t_s[i]);
     contacts.center_W_m.push_back(object.point(merged.p_T_m[i]));
     contacts.force_W_N.push_back(object.q * merged.f_T_N[i]);
@@ -390,8 +398,10 @@ RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const surf
       weighed_correction(surface, by_contacts, d.tip_radius_m, *report.contacts, *report.markers);
   report.object_move = object_move(surface, contacts_at(d, merged, motion, index, correction * object), d.tip_radius_m,
                                    motion.noise_m, correction, *report.markers);
-  refuse(d, check_contacts(surface, by_contacts, d.tip_radius_m, motion.noise_m, d.contact_force_N, *report.contacts,
-                           *report.markers, *report.object_move));
+  const ContactCheck check = check_contacts(surface, by_contacts, d.tip_radius_m, motion.noise_m, d.contact_force_N,
+                                            *report.contacts, *report.markers, *report.object_move);
+  refuse(d, check.faults);
+  std::ranges::copy(check.doubts, std::back_inserter(report.notes));
   if (report.object_move->unnoticed_m > 2e-3)
     report.notes.push_back(fmt::format(
         "the object may have moved by {} along the touched surface without that the contacts show it: measure the "

@@ -23,7 +23,7 @@ constexpr double largest_turn_rad = 0.05;
 constexpr double one_in_ten_thousand = 1e-4;
 constexpr double clear_sigmas = 5.0;
 constexpr double largest_lever_error_m = 2e-3;
-constexpr double sliding_m_per_s = 5e-3;
+constexpr double slowest_sliding_m_per_s = 5e-3;
 constexpr double largest_move_m = 1e-3;
 
 // The mean of half a second of free air: force left, and the tool's weight, in the sensor's frame.
@@ -175,7 +175,7 @@ std::optional<Vec3> clear_vector(const std::vector<stats::NormalEquations>& clus
 }
 
 // The turn of the sensor's frame that sliding contact shows, by clusters of half a second.
-std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<Vec3>& normals) {
+std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<Vec3>& normals, double sliding_m_per_s) {
   std::vector<stats::NormalEquations> clusters;
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
@@ -211,8 +211,10 @@ std::vector<Vec3> accelerations(const ContactSamples& c) {
 }
 
 // A force along the surface that is neither friction nor inertia: constant, or drawn to a place as by a cable, root
-// mean square [N] in the directions of these four that are clear, by clusters of half a second.
-double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals) {
+// mean square [N], by its parts that are clear, by clusters of half a second. With `besides_scan` it does not count
+// either what follows the load in the same way, as an error of the normal makes it.
+double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals, double sliding_m_per_s,
+                     bool besides_scan) {
   const auto n = static_cast<double>(c.t_s.size());
   Vec3 middle = Vec3::Zero();
   double spread2 = 0.0, used = 0.0;
@@ -220,8 +222,9 @@ double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals) 
   for (const Vec3& p : c.center_W_m) spread2 += (p - middle).squaredNorm() / n;
   const auto acceleration = accelerations(c);
   // What does not show, as a constant along the normal of a level surface, is held at nothing.
-  constexpr Eigen::Index others = 2, pulls = 4;
+  constexpr Eigen::Index pulls = 4;
   constexpr double held = 1e-6;
+  const Eigen::Index others = besides_scan ? 2 + pulls : 2;
   std::vector<stats::NormalEquations> clusters;
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(others + pulls, others + pulls);
   double until = -std::numeric_limits<double>::infinity();
@@ -232,14 +235,16 @@ double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals) 
     if (!(slip.norm() > sliding_m_per_s) || !(load > 0.0)) continue;
     if (c.t_s[i] > until) {
       clusters.push_back({Eigen::MatrixXd::Zero(all.rows(), all.rows()), Eigen::VectorXd::Zero(all.rows())});
-      clusters.back().normal.diagonal().tail<pulls>().setConstant(held);
+      clusters.back().normal.diagonal().tail(all.rows() - 2).setConstant(held);
       until = c.t_s[i] + air_block_s;
     }
+    Eigen::Matrix<double, 3, pulls> pull;
+    pull << along * (c.center_W_m[i] - middle) / std::sqrt(spread2), along;
     Eigen::MatrixXd rows(3, all.rows());
     rows.col(0) = -load * slip.normalized();
     rows.col(1) = -along * acceleration[i];
-    rows.col(2) = along * (c.center_W_m[i] - middle) / std::sqrt(spread2);
-    rows.rightCols<3>() = along;
+    if (besides_scan) rows.middleCols<pulls>(2) = load * pull;
+    rows.rightCols<pulls>() = pull;
     clusters.back().normal += rows.transpose() * rows;
     clusters.back().right += rows.transpose() * (along * c.force_W_N[i]);
     all += rows.transpose() * rows;
@@ -248,20 +253,20 @@ double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals) 
   if (clusters.size() < 8 || !(spread2 > 0.0)) return 0.0;
   const stats::ClusteredFit fit(clusters);
   if (!fit.determined()) return 0.0;
-  // The squares that each direction of the four explains, friction and inertia aside.
-  const Eigen::MatrixXd own = all.bottomRightCorner<pulls, pulls>() -
-                              all.bottomLeftCorner<pulls, others>() *
-                                  all.topLeftCorner<others, others>().ldlt().solve(all.topRightCorner<others, pulls>());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(own);
-  double pull2 = 0.0;
+  // The squares that each direction of the four explains, all others aside.
+  const Eigen::MatrixXd whole = all.bottomRightCorner<pulls, pulls>(), mixed = all.bottomLeftCorner(pulls, others);
+  Eigen::MatrixXd inner = all.topLeftCorner(others, others);
+  inner.diagonal().tail(others - 2).array() += held;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(
+      Eigen::MatrixXd(whole - mixed * inner.ldlt().solve(mixed.transpose())));
+  Eigen::VectorXd clear = Eigen::VectorXd::Zero(pulls);
   for (Eigen::Index k = 0; k < pulls; ++k) {
     Eigen::VectorXd contrast = Eigen::VectorXd::Zero(all.rows());
     contrast.tail<pulls>() = directions.eigenvectors().col(k);
     const double value = contrast.dot(fit.estimate());
-    if (std::abs(value) > clear_sigmas * fit.error_of(contrast).sigma)
-      pull2 += value * value * directions.eigenvalues()[k] / used;
+    if (std::abs(value) > clear_sigmas * fit.error_of(contrast).sigma) clear += value * contrast.tail<pulls>();
   }
-  return std::sqrt(pull2);
+  return std::sqrt(clear.dot(whole * clear) / used);
 }
 
 // How far off the ball's centre the torque acts, in the sensor's frame, by clusters of half a second; empty without a
@@ -319,11 +324,11 @@ RigidTransform weighed_correction(const Surface& surface, const ContactSamples& 
   return {q, begin + move.head<3>() - q * begin};
 }
 
-std::vector<std::string> check_contacts(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
-                                        double tracker_noise_m, double contact_force_N,
-                                        const ContactRegistration& refinement, const MarkerRegistration& markers,
-                                        const ObjectMove& move) {
-  std::vector<std::string> faults;
+ContactCheck check_contacts(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
+                            double tracker_noise_m, double contact_force_N, const ContactRegistration& refinement,
+                            const MarkerRegistration& markers, const ObjectMove& move) {
+  ContactCheck check;
+  auto& faults = check.faults;
   const GapRows rows = gap_rows(surface, contacts, tip_radius_m);
   const auto n = static_cast<double>(rows.gap.size());
   Eigen::VectorXd fit;
@@ -366,7 +371,11 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
           1e3 * std::sqrt(moved2), 1e3 * std::sqrt(open2)));
     }
   }
-  if (const auto turn = turn_by_sliding(contacts, rows.normal); turn && turn->norm() > largest_turn_rad) {
+  // Ten standard errors of a speed over a tenth of a second: its direction is good to 0.1 rad.
+  const double sliding_m_per_s =
+      std::max(slowest_sliding_m_per_s, 10.0 * std::sqrt(2.0) * tracker_noise_m / speed_span_s);
+  if (const auto turn = turn_by_sliding(contacts, rows.normal, sliding_m_per_s);
+      turn && turn->norm() > largest_turn_rad) {
     faults.push_back(fmt::format(
         "while the tip slides, the surface's push is turned by {:.2g} rad in the sensor's frame (limit {:.2g}): check "
         "/probe/q_PS, the attitude of the sensor on the probe, and the force's bias",
@@ -375,16 +384,23 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
   double push_N = 0.0;
   for (std::size_t i = 0; i < contacts.t_s.size(); ++i)
     push_N += std::max(0.0, rows.normal[i].dot(contacts.force_W_N[i])) / n;
-  // Over 10 mm, a short stroke, the scan's error turns the normal, and so much of the push lies along the surface.
+  // Over 10 mm, a short stroke, the scan's error turns the normal, and so much of the push lies along the surface. A
+  // pull that does not follow the push is none of it.
   constexpr double scan_slope_rad = scan_error_m / 0.01;
-  const double pull = steady_pull_N(contacts, rows.normal),
-               most_pull = 0.125 * contact_force_N + scan_slope_rad * push_N;
-  if (pull > most_pull) {
+  const double pull = steady_pull_N(contacts, rows.normal, sliding_m_per_s, false),
+               besides = steady_pull_N(contacts, rows.normal, sliding_m_per_s, true),
+               most_pull = 0.125 * contact_force_N;
+  if (pull > most_pull + scan_slope_rad * push_N || besides > most_pull) {
     faults.push_back(fmt::format(
         "while the tip slides, {:.2g} N along the surface are neither friction nor the tool's inertia (limit {:.2g} N, "
-        "an eighth of the contact force and what the scan's error makes of the push): does a cable or a hose pull at "
-        "the tool? Lead it along the arm, or hang it "
-        "up, and record again",
+        "an eighth of the contact force, and {:.2g} N more if they may be the scan's error): does a cable or a hose "
+        "pull at the tool? Lead it along the arm, or hang it up, and record again",
+        std::max(pull, besides), most_pull, scan_slope_rad * push_N));
+  } else if (pull > most_pull) {
+    check.doubts.push_back(fmt::format(
+        "cannot tell whether something pulls at the tool: {:.2g} N along the surface (limit {:.2g} N, an eighth of the "
+        "contact force) may be a cable's pull or the scan's error; push harder and softer in turn, which tells them "
+        "apart",
         pull, most_pull));
   }
   if (const auto off = lever_error(contacts, rows.normal, tip_radius_m); off && off->norm() > largest_lever_error_m) {
@@ -393,7 +409,7 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
         "(limit {:.2g} mm): check /probe/tip_S_m, and that the sensor's torques and forces have the same signs",
         1e3 * off->norm(), 1e3 * off->x(), 1e3 * off->y(), 1e3 * off->z(), 1e3 * largest_lever_error_m));
   }
-  return faults;
+  return check;
 }
 
 }  // namespace touchstone::acquisition
