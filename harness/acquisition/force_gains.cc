@@ -14,7 +14,6 @@
 namespace touchstone::acquisition {
 namespace {
 
-constexpr double largest_gain_error = 0.03;  // of the force
 constexpr double clear_sigmas = 2.0;
 constexpr Eigen::Index unknowns_of_axis = 4;
 

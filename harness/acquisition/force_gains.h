@@ -18,6 +18,8 @@
 
 namespace touchstone::acquisition {
 
+inline constexpr double largest_gain_error = 0.03;  // of the force
+
 struct ForceGains {
   bool determined = false;  // gravity pointed in directions of all three dimensions, in five poses or more
   std::size_t poses = 0;

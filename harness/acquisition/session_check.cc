@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "harness/acquisition/force_gains.h"
 #include "harness/acquisition/smoothing.h"
 #include "harness/base/least_squares.h"
 #include "harness/stats/clustered_fit.h"
@@ -174,6 +175,28 @@ std::optional<Vec3> clear_vector(const std::vector<stats::NormalEquations>& clus
   return clear.isZero(0.0) ? std::nullopt : std::optional(clear);
 }
 
+// Of the last `own` parameters of these clusters the part that is clear, along the directions in which the rows tell
+// them, all other parameters aside. Nothing where the clusters do not tell.
+Eigen::VectorXd clear_part(const std::vector<stats::NormalEquations>& clusters, Eigen::Index own) {
+  Eigen::VectorXd clear = Eigen::VectorXd::Zero(own);
+  if (clusters.size() < 8) return clear;
+  const stats::ClusteredFit fit(clusters);
+  if (!fit.determined()) return clear;
+  const Eigen::Index others = fit.estimate().size() - own;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(fit.estimate().size(), fit.estimate().size());
+  for (const auto& cluster : clusters) all += cluster.normal;
+  const Eigen::MatrixXd mixed = all.bottomLeftCorner(own, others);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(Eigen::MatrixXd(
+      all.bottomRightCorner(own, own) - mixed * all.topLeftCorner(others, others).ldlt().solve(mixed.transpose())));
+  for (Eigen::Index k = 0; k < own; ++k) {
+    Eigen::VectorXd contrast = Eigen::VectorXd::Zero(all.rows());
+    contrast.tail(own) = directions.eigenvectors().col(k);
+    const double value = contrast.dot(fit.estimate());
+    if (std::abs(value) > clear_sigmas * fit.error_of(contrast).sigma) clear += value * contrast.tail(own);
+  }
+  return clear;
+}
+
 // The turn of the sensor's frame that sliding contact shows, by clusters of half a second.
 std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<Vec3>& normals, double sliding_m_per_s) {
   std::vector<stats::NormalEquations> clusters;
@@ -226,7 +249,7 @@ double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals, 
   constexpr double held = 1e-6;
   const Eigen::Index others = besides_scan ? 2 + pulls : 2;
   std::vector<stats::NormalEquations> clusters;
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(others + pulls, others + pulls);
+  Eigen::Matrix<double, pulls, pulls> square = Eigen::Matrix<double, pulls, pulls>::Zero();
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
     const Mat3 along = Mat3::Identity() - normals[i] * normals[i].transpose();
@@ -234,39 +257,72 @@ double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals, 
     const double load = normals[i].dot(c.force_W_N[i]);
     if (!(slip.norm() > sliding_m_per_s) || !(load > 0.0)) continue;
     if (c.t_s[i] > until) {
-      clusters.push_back({Eigen::MatrixXd::Zero(all.rows(), all.rows()), Eigen::VectorXd::Zero(all.rows())});
-      clusters.back().normal.diagonal().tail(all.rows() - 2).setConstant(held);
+      clusters.push_back(
+          {Eigen::MatrixXd::Zero(others + pulls, others + pulls), Eigen::VectorXd::Zero(others + pulls)});
+      clusters.back().normal.diagonal().tail(others + pulls - 2).setConstant(held);
       until = c.t_s[i] + air_block_s;
     }
     Eigen::Matrix<double, 3, pulls> pull;
     pull << along * (c.center_W_m[i] - middle) / std::sqrt(spread2), along;
-    Eigen::MatrixXd rows(3, all.rows());
+    Eigen::MatrixXd rows(3, others + pulls);
     rows.col(0) = -load * slip.normalized();
     rows.col(1) = -along * acceleration[i];
     if (besides_scan) rows.middleCols<pulls>(2) = load * pull;
     rows.rightCols<pulls>() = pull;
     clusters.back().normal += rows.transpose() * rows;
     clusters.back().right += rows.transpose() * (along * c.force_W_N[i]);
-    all += rows.transpose() * rows;
+    square += pull.transpose() * pull;
     used += 1.0;
   }
-  if (clusters.size() < 8 || !(spread2 > 0.0)) return 0.0;
-  const stats::ClusteredFit fit(clusters);
-  if (!fit.determined()) return 0.0;
-  // The squares that each direction of the four explains, all others aside.
-  const Eigen::MatrixXd whole = all.bottomRightCorner<pulls, pulls>(), mixed = all.bottomLeftCorner(pulls, others);
-  Eigen::MatrixXd inner = all.topLeftCorner(others, others);
-  inner.diagonal().tail(others - 2).array() += held;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(
-      Eigen::MatrixXd(whole - mixed * inner.ldlt().solve(mixed.transpose())));
-  Eigen::VectorXd clear = Eigen::VectorXd::Zero(pulls);
-  for (Eigen::Index k = 0; k < pulls; ++k) {
-    Eigen::VectorXd contrast = Eigen::VectorXd::Zero(all.rows());
-    contrast.tail<pulls>() = directions.eigenvectors().col(k);
-    const double value = contrast.dot(fit.estimate());
-    if (std::abs(value) > clear_sigmas * fit.error_of(contrast).sigma) clear += value * contrast.tail<pulls>();
+  if (!(spread2 > 0.0) || !(used > 0.0)) return 0.0;
+  const Eigen::VectorXd pull = clear_part(clusters, pulls);
+  return std::sqrt(pull.dot(square * pull) / used);
+}
+
+// Gains of the sensor's axes and crosstalk between them that sliding contact shows: what they make of the push lies
+// along the surface, and turns with the sensor. The root mean square error of the contact forces [N], by the parts that
+// are clear; the gain that all axes share does not show, so that any axis may be the right one (force_gains.h).
+double gain_error_by_sliding_N(const ContactSamples& c, const std::vector<Vec3>& normals, double sliding_m_per_s) {
+  constexpr Eigen::Index others = 4, gains = 5;  // friction and a turn; symmetric, without a trace
+  constexpr double held = 1e-6;
+  const auto matrix_of = [](const Eigen::VectorXd& g) {
+    Mat3 m;
+    m << g[0], g[2], g[3], g[2], g[1], g[4], g[3], g[4], -g[0] - g[1];
+    return m;
+  };
+  std::vector<stats::NormalEquations> clusters;
+  Mat3 moments = Mat3::Zero();
+  double until = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < c.t_s.size(); ++i) {
+    const Vec3 f_S = c.q_WS[i].conjugate() * c.force_W_N[i];
+    moments += f_S * f_S.transpose() / static_cast<double>(c.t_s.size());
+    const Mat3 along = Mat3::Identity() - normals[i] * normals[i].transpose();
+    const Vec3 slip = along * c.velocity_W_m_per_s[i];
+    const double load = normals[i].dot(c.force_W_N[i]);
+    if (!(slip.norm() > sliding_m_per_s) || !(load > 0.0)) continue;
+    if (c.t_s[i] > until) {
+      clusters.push_back(
+          {Eigen::MatrixXd::Zero(others + gains, others + gains), Eigen::VectorXd::Zero(others + gains)});
+      clusters.back().normal.diagonal().tail<gains>().setConstant(held);
+      until = c.t_s[i] + air_block_s;
+    }
+    const Mat3 r_WS = c.q_WS[i].toRotationMatrix();
+    Eigen::MatrixXd rows(3, others + gains);
+    rows.col(0) = -load * slip.normalized();
+    rows.middleCols<3>(1) = -load * cross_matrix(normals[i]) * r_WS;
+    for (Eigen::Index k = 0; k < gains; ++k)
+      rows.col(others + k) =
+          load * along * r_WS * matrix_of(Eigen::VectorXd::Unit(gains, k)) * r_WS.transpose() * normals[i];
+    clusters.back().normal += rows.transpose() * rows;
+    clusters.back().right += rows.transpose() * (along * c.force_W_N[i]);
   }
-  return std::sqrt(clear.dot(whole * clear) / used);
+  const Mat3 off = matrix_of(clear_part(clusters, gains));
+  double worst2 = 0.0;
+  for (const double right : Eigen::SelfAdjointEigenSolver<Mat3>(off, Eigen::EigenvaluesOnly).eigenvalues()) {
+    const Mat3 error = off - right * Mat3::Identity();
+    worst2 = std::max(worst2, (error * moments * error.transpose()).trace());
+  }
+  return std::sqrt(worst2);
 }
 
 // How far off the ball's centre the torque acts, in the sensor's frame, by clusters of half a second; empty without a
@@ -402,6 +458,19 @@ ContactCheck check_contacts(const Surface& surface, const ContactSamples& contac
         "contact force) may be a cable's pull or the scan's error; push harder and softer in turn, which tells them "
         "apart",
         pull, most_pull));
+  }
+  const double gain_N = gain_error_by_sliding_N(contacts, rows.normal, sliding_m_per_s),
+               most_gain_N = std::max(0.25 * contact_force_N, largest_gain_error * push_N);
+  // As with a pull, the scan's error may look so.
+  if (gain_N > most_gain_N) {
+    const bool clear = gain_N > most_gain_N + scan_slope_rad * push_N;
+    (clear ? faults : check.doubts)
+        .push_back(fmt::format(
+            "{}while the tip slides, a part of the surface's push turns with the sensor as if its axes had gains of "
+            "their own; if so, the force is off by up to {:.2g} N (limit {:.2g} N, a quarter of the contact force or 3 "
+            "% of the push): load the calibration of this very sensor, check its cable and amplifier, and measure the "
+            "tool's static poses again",
+            clear ? "" : "cannot tell whether the scan is inexact or the sensor: ", gain_N, most_gain_N));
   }
   if (const auto off = lever_error(contacts, rows.normal, tip_radius_m); off && off->norm() > largest_lever_error_m) {
     faults.push_back(fmt::format(

@@ -63,6 +63,17 @@ TEST(SessionCheck, EachDisturbanceIsNamedWithTheNextStep) {
   EXPECT_THAT(said(Disturbance::gain), HasSubstr("the gains of the force's axes do not agree"));
 }
 
+// Static poses say nothing of it; free air does where the tool's weight is along the axis, and sliding contact.
+TEST(SessionCheck, AGainThatChangesAfterTheStaticPosesIsNeverSilent) {
+  int by_sliding = 0;
+  for (std::uint64_t seed = 8501; seed < 8507; ++seed) {
+    const Outcome outcome = acquire_simulated(seed, Disturbance::later_gain);
+    EXPECT_TRUE(outcome.refused || outcome.right()) << seed << ": " << outcome.force_rms_N << " N";
+    by_sliding += outcome.sentence.find("as if its axes had gains of their own") != std::string::npos;
+  }
+  EXPECT_GT(by_sliding, 0);
+}
+
 // Places along z at 60 Hz, a hundred at rest and then these steps [mm].
 PoseFaults faults_of_steps(const std::vector<double>& steps_mm) {
   std::vector<double> t_s;

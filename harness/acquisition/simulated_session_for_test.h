@@ -38,14 +38,15 @@ enum class Disturbance {
   reversed_statics,
   lost_packets,
   cable,
-  gain
+  gain,
+  later_gain
 };
 inline constexpr std::array all_disturbances{
     Disturbance::knock_at_start,  Disturbance::knock_half_way,   Disturbance::bias_drift,  Disturbance::held_poses,
     Disturbance::swapped_markers, Disturbance::moved_object,     Disturbance::wrong_tip,   Disturbance::wrong_lever,
     Disturbance::turned_sensor,   Disturbance::reversed_statics, Disturbance::lost_packets};
 inline std::string_view name_of(Disturbance d) {
-  constexpr std::array<std::string_view, 14> names{"none",
+  constexpr std::array<std::string_view, 15> names{"none",
                                                    "knock at the start",
                                                    "knock half-way",
                                                    "bias drift",
@@ -199,8 +200,10 @@ class SimulatedSession {
     if (disturbance_ == Disturbance::bias_drift) return bias_ + t / length_s_ * step_N_;
     return bias_;
   }
-  [[nodiscard]] Vec3 measured(const Vec3& f) const {
-    return disturbance_ == Disturbance::gain ? Vec3(f.x(), f.y(), wrong_gain * f.z()) : f;
+  // `later`: than the static poses.
+  [[nodiscard]] Vec3 measured(const Vec3& f, bool later) const {
+    const bool wrong = disturbance_ == Disturbance::gain || (later && disturbance_ == Disturbance::later_gain);
+    return wrong ? Vec3(f.x(), f.y(), wrong_gain * f.z()) : f;
   }
   // What the tool pulls at rest or moving, in the sensor's frame, with bias.
   // `foot_W`: where the surface pushes, from the ball's centre.
@@ -221,7 +224,7 @@ class SimulatedSession {
       Vec3 a = (center(t + 1e-3) - 2 * center(t) + center(t - 1e-3)) / 1e-6;
       if (disturbance_ == Disturbance::cable) a += cable_N_per_m * (center(t) - center(0.0)) / mass_;
       auto w = sensor(attitude(t), contact(t), foot(t), a, bias_at(t));
-      w[0] = measured(w[0]) + noise(0.01), w[1] += noise(2e-4);
+      w[0] = measured(w[0], true) + noise(0.01), w[1] += noise(2e-4);
       text += fmt::format("{:.7f},{:.6f},{:.6f},{:.6f},{:.7f},{:.7f},{:.7f}\n", t * (1 + skew_) + offset_s_, w[0].x(),
                           w[0].y(), w[0].z(), w[1].x(), w[1].y(), w[1].z());
     }
@@ -256,7 +259,7 @@ class SimulatedSession {
     for (int i = 0; i < 12; ++i) {
       const Quat q = random_.rotation();  // sensor to tracker
       auto w = sensor(q_TW_.conjugate() * q, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), bias_);
-      w[0] = sign * (measured(w[0]) + noise(2e-3)), w[1] = sign * (w[1] + noise(4e-5));
+      w[0] = sign * (measured(w[0], false) + noise(2e-3)), w[1] = sign * (w[1] + noise(4e-5));
       statics += fmt::format("{:.7f},{:.7f},{:.7f},{:.8f},{:.8f},{:.8f},{:.9f},{:.9f},{:.9f},{:.9f}\n", w[0].x(),
                              w[0].y(), w[0].z(), w[1].x(), w[1].y(), w[1].z(), q.w(), q.x(), q.y(), q.z());
     }
