@@ -76,7 +76,7 @@ GainError gain_error(const ForceGains& gains, const std::vector<Vec3>& contact_f
   if (!gains.determined) {
     result.error_N = result.sigma_N = std::numeric_limits<double>::quiet_NaN();
     result.doubt = fmt::format(
-        "cannot tell whether the force's axes measure alike: {} static poses do not determine their gains; {}",
+        "cannot tell whether the axes of the force have one gain: {} static poses do not determine their gains; {}",
         gains.poses, more_poses);
     return result;
   }

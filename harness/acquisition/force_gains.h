@@ -1,4 +1,4 @@
-// Do the axes of the force sensor measure alike? The tool's weight, turned to many orientations, is a known direction:
+// Do the axes of the force sensor have one gain? The tool's weight, turned to many orientations, is a known direction:
 //   f = A g_S + b,   A = m (1 + E)
 // with a full A has 12 unknowns and is linear in them; E is what gains of single axes and crosstalk make of a force.
 // (The "shape from motion" calibration of force sensors: Voyles, Morrow and Khosla, J. Dyn. Sys. Meas. Control 119
