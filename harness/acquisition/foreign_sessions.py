@@ -3,6 +3,8 @@
 
     foreign_sessions.py TOUCHSTONE SEED COUNT undisturbed|disturbed [KIND]
 
+KIND: one of KINDS, or "later gain", which changes after the static poses and is said, not refused.
+
 Exit status 0: every session is refused (exit status not 0) or right; 1: some are silently wrong, or more than 2 % of the
 undisturbed ones are refused; 77: numpy is missing.
 Sources. Hand: straight strokes of least jerk (Flash and Hogan, J. Neuroscience 5 (1985) 1688), carried by a mass on a
@@ -28,7 +30,7 @@ except ImportError:
 RATE = 4000.0
 G = np.array([0, 0, -9.81])
 KINDS = ('knock early', 'knock late', 'drift', 'frozen', 'swapped', 'moved', 'tip', 'frame', 'statics', 'packets',
-         'clock', 'lever', 'cable', 'gain', 'scale', 'radius', 'later gain')
+         'clock', 'lever', 'cable', 'gain', 'scale', 'radius')
 
 
 def product(p, q):

@@ -461,16 +461,13 @@ ContactCheck check_contacts(const Surface& surface, const ContactSamples& contac
   }
   const double gain_N = gain_error_by_sliding_N(contacts, rows.normal, sliding_m_per_s),
                most_gain_N = std::max(0.25 * contact_force_N, largest_gain_error * push_N);
-  // As with a pull, the scan's error may look so.
+  // The scan's error may look so, and where the sensor hardly turns, noise.
   if (gain_N > most_gain_N) {
-    const bool clear = gain_N > most_gain_N + scan_slope_rad * push_N;
-    (clear ? faults : check.doubts)
-        .push_back(fmt::format(
-            "{}while the tip slides, a part of the surface's push turns with the sensor as if its axes had gains of "
-            "their own; if so, the force is off by up to {:.2g} N (limit {:.2g} N, a quarter of the contact force or 3 "
-            "% of the push): load the calibration of this very sensor, check its cable and amplifier, and measure the "
-            "tool's static poses again",
-            clear ? "" : "cannot tell whether the scan is inexact or the sensor: ", gain_N, most_gain_N));
+    check.doubts.push_back(fmt::format(
+        "cannot tell whether the force's axes still have one gain: while the tip slides, a part of the surface's push "
+        "turns with the sensor; if gains make it, the force is off by up to {:.2g} N (limit {:.2g} N, a quarter of the "
+        "contact force or 3 % of the push): measure the tool's static poses again, and check the scan of the object",
+        gain_N, most_gain_N));
   }
   if (const auto off = lever_error(contacts, rows.normal, tip_radius_m); off && off->norm() > largest_lever_error_m) {
     faults.push_back(fmt::format(

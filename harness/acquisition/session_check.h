@@ -26,7 +26,7 @@
 //   Gains of the sensor's axes, E symmetric and without a trace, make R E R^T N n of a push N n, of which the part
 //   along
 // the surface turns with the sensor, R: the same fit with five more parameters shows a gain that changed after the
-// static poses, if the sensor turns against the surface. Limit: as for static poses (force_gains.h).
+// static poses, if the sensor turns against the surface. Limit: as for static poses (force_gains.h); it is a doubt.
 //   A ball of radius r that is pushed by f at its foot -r n has the torque -r n x f about its centre. What is left of
 // the measured one, f x e + b in the sensor's frame, is a centre declared e off, and a torque's bias b. Limit: 2 mm, as
 // far as positions may be off at their worst, and five standard errors as above.
