@@ -42,7 +42,8 @@ ExitStatus identify_from_poses(const ToolOptions& options) {
   const auto poses = acquisition::read_static_poses(options.table, options.si);
   acquisition::AcquisitionReport report;
   report.tool = identify_tool(read_as(poses, reading), gravity, options.table);
-  fmt::print("{}", tool_text(*report.tool));
+  report.gains = acquisition::identify_gains(read_as(poses, reading), gravity);
+  fmt::print("{}", tool_text(*report.tool, report.gains));
   const acquisition::FrameCheck check = check_frames(poses, reading, *report.tool, gravity, options.table);
   if (check.bad_fit) {
     report.notes.push_back(check.message(*report.tool, options.table));

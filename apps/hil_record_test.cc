@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "harness/testing/built_program.h"
@@ -71,11 +73,16 @@ TEST_F(HilRecord, ForceAndTrackerBecomeARecording) {
 
 TEST_F(HilRecord, AStreamThatStopsIsNoSuccess) {
   hil::NetFtEmulator sensor(1000, {}, [](double) { return Wrench{}; });
-  hil::NatNetFaults faults;
-  faults.silent_after = 360;  // some are sent while it is opened
-  hil::NatNetEmulator motive(120, faults, [](double) { return hil::EmulatedPose{}; });
+  // It falls silent once some of what it sent, more than a header, stands in its file.
+  constexpr std::uintmax_t some = 8192;
+  hil::NatNetEmulator motive(120, {}, [this, &motive](double) {
+    std::error_code not_there_yet;
+    const auto size = std::filesystem::file_size(folder_ / "session" / "optitrack.tsraw", not_there_yet);
+    if (!not_there_yet && size > some) motive.fall_silent();
+    return hil::EmulatedPose{};
+  });
   map(netft(sensor) + ", " + optitrack(motive));
-  const auto outcome = run("hil record ati-netft optitrack --map map.json --silence 0.7 --seconds 60 --out session");
+  const auto outcome = run("hil record ati-netft optitrack --map map.json --seconds 60 --out session");
   EXPECT_EQ(outcome.status, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("optitrack: its stream stopped"));
 }

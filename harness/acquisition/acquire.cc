@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <span>
 
@@ -131,6 +132,7 @@ ToolLoad find_tool(const AcquisitionDescription& d, AcquisitionReport& report) {
   if (d.tool_file) {
     const auto poses = read_static_poses(*d.tool_file, false);
     report.tool = identify_tool(poses, d.gravity_T_m_per_s2, d.tool_file->string());
+    report.gains = identify_gains(poses, d.gravity_T_m_per_s2);
     const FrameCheck frames = check_frames(poses, {}, *report.tool, d.gravity_T_m_per_s2, d.tool_file->string());
     if (frames.bad_fit) throw BadData(frames.message(*report.tool, d.tool_file->string()));
     return report.tool->load;
@@ -329,11 +331,30 @@ void check_air(const AcquisitionDescription& d, const Merged& merged, const Moti
   refuse(d, check.faults);
 }
 
+void check_gains(const AcquisitionDescription& d, const Merged& merged, const MotionStream& motion,
+                 AcquisitionReport& report) {
+  std::vector<Vec3> contact_S_N;
+  for (std::size_t i = 0; i < merged.t_s.size(); ++i) {
+    if (merged.f_T_N[i].norm() >= d.contact_force_N)
+      contact_S_N.push_back(motion.q_TS[merged.sample[i]].conjugate() * merged.f_T_N[i]);
+  }
+  report.gain_error = gain_error(report.gains, contact_S_N, d.contact_force_N, d.weighed_kg);
+  if (!report.gain_error->fault.empty()) refuse(d, {report.gain_error->fault});
+  if (!report.gain_error->doubt.empty()) report.notes.push_back(report.gain_error->doubt);
+}
+
 ContactSamples contacts_at(const AcquisitionDescription& d, const Merged& merged, const MotionStream& motion,
                            const std::vector<std::size_t>& index, const RigidTransform& object) {
+  // The outermost frame within half of the span, and the next one at least.
+  const auto reach = [&](std::size_t i, std::size_t last, auto next) {
+    std::size_t k = i;
+    while (k != last && (k == i || std::abs(merged.t_s[next(k)] - merged.t_s[i]) <= 0.5 * speed_span_s)) k = next(k);
+    return k;
+  };
   ContactSamples contacts;
   for (const std::size_t i : index) {
-    const std::size_t before = i > 0 ? i - 1 : i, after = i + 1 < merged.t_s.size() ? i + 1 : i;
+    const std::size_t before = reach(i, 0, [](std::size_t k) { return k - 1; }),
+                      after = reach(i, merged.t_s.size() - 1, [](std::size_t k) { return k + 1; });
     contacts.t_s.push_back(merged.t_s[i]);
     contacts.center_W_m.push_back(object.point(merged.p_T_m[i]));
     contacts.force_W_N.push_back(object.q * merged.f_T_N[i]);
@@ -377,8 +398,10 @@ RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const surf
       weighed_correction(surface, by_contacts, d.tip_radius_m, *report.contacts, *report.markers);
   report.object_move = object_move(surface, contacts_at(d, merged, motion, index, correction * object), d.tip_radius_m,
                                    motion.noise_m, correction, *report.markers);
-  refuse(d, check_contacts(surface, by_contacts, d.tip_radius_m, motion.noise_m, d.contact_force_N, *report.contacts,
-                           *report.markers, *report.object_move));
+  const ContactCheck check = check_contacts(surface, by_contacts, d.tip_radius_m, motion.noise_m, d.contact_force_N,
+                                            *report.contacts, *report.markers, *report.object_move);
+  refuse(d, check.faults);
+  std::ranges::copy(check.doubts, std::back_inserter(report.notes));
   if (report.object_move->unnoticed_m > 2e-3)
     report.notes.push_back(fmt::format(
         "the object may have moved by {} along the touched surface without that the contacts show it: measure the "
@@ -433,6 +456,8 @@ Acquired acquire(const AcquisitionDescription& d) {
   }
   // Without a tool its weight is in the force, as the note says: there is nothing to hold free air against.
   if (d.tool_file || d.tool) {
+    // Wrong gains show in free air too, as a bias.
+    check_gains(d, merged, motion, report);
     const double weight_N = tool.mass_kg * d.gravity_T_m_per_s2.norm();
     check_air(d, merged, motion, free_air_of(d, merged, gap_m, tip, object.q.conjugate() * d.tap_normal_W, weight_N),
               tool, report);

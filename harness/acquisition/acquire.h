@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/acquisition/description.h"
+#include "harness/acquisition/force_gains.h"
 #include "harness/acquisition/object_move.h"
 #include "harness/acquisition/smoothing.h"
 #include "harness/recording/trajectory.h"
@@ -21,6 +22,8 @@ struct FlaggedSamples {
 struct AcquisitionReport {
   FlaggedSamples force_samples;
   std::optional<ToolIdentification> tool;  // where identified from orientations
+  ForceGains gains;                        // of the force's axes, by the same orientations
+  std::optional<GainError> gain_error;     // of the session's contact forces
   std::optional<ClockAlignment> clocks;    // where aligned by taps
   std::optional<MarkerRegistration> markers;
   std::optional<ContactRegistration> contacts;
@@ -47,7 +50,7 @@ Acquired acquire(const AcquisitionDescription& description);
 std::string report_json(const AcquisitionReport& report);
 std::string report_text(const AcquisitionReport& report);
 // A tool that was identified, for people: its values with their deviations, and what it leaves.
-std::string tool_text(const ToolIdentification& tool);
+std::string tool_text(const ToolIdentification& tool, const ForceGains& gains);
 
 // Static orientations of a tool from a table: fx_N .. tz_Nm (or without units where they are SI) and qw.. or r11..r33.
 std::vector<StaticPose> read_static_poses(const std::filesystem::path& path, bool bare_is_si);

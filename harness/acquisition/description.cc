@@ -71,6 +71,7 @@ AcquisitionDescription read_description(const std::filesystem::path& path, const
     auto tool = root.object("tool");
     if (tool.has("file")) {
       d.tool_file = beside(tool.text("file"));
+      if (tool.has("mass_kg")) d.weighed_kg = positive(tool, "mass_kg", 1.0);
     } else {
       ToolLoad load;
       load.mass_kg = tool.number("mass_kg");

@@ -34,6 +34,7 @@ struct AcquisitionDescription {
   // Tool load: static orientations (fx_N .. tz_Nm and q) or given values; weightless and unbiased without either.
   std::optional<std::filesystem::path> tool_file;
   std::optional<ToolLoad> tool;
+  std::optional<double> weighed_kg;  // the tool's mass by a balance, beside the file: it tells the sensor's scale
   Vec3 gravity_T_m_per_s2 = Vec3(0, 0, -9.81);  // in the tracker's frame
   // Clocks: by taps against a surface with this normal, or a known offset.
   bool align_taps = true;

@@ -3,6 +3,8 @@
 
     foreign_sessions.py TOUCHSTONE SEED COUNT undisturbed|disturbed [KIND]
 
+KIND: one of KINDS, or "later gain", which changes after the static poses and is said, not refused.
+
 Exit status 0: every session is refused (exit status not 0) or right; 1: some are silently wrong, or more than 2 % of the
 undisturbed ones are refused; 77: numpy is missing.
 Sources. Hand: straight strokes of least jerk (Flash and Hogan, J. Neuroscience 5 (1985) 1688), carried by a mass on a
@@ -194,7 +196,7 @@ class Session:
         if kind == 'drift':
             f = f + (s / s[-1])[:, None] * (.2 + .6 * size) * side
         gain = np.ones(3)
-        if kind == 'gain':
+        if kind in ('gain', 'later gain'):
             gain[r.integers(3)] += (.1 + .2 * size) * (1 if r.random() < .5 else -1)
         f = f * gain
         stamps = s * (1 + self.skew) + self.offset
@@ -223,6 +225,7 @@ class Session:
         save('motion.csv', 't_s,x_m,y_m,z_m,qw,qx,qy,qz', np.column_stack([at, p, q_tp]))
         turns = rotation(np.stack([self.direction() * r.uniform(0, np.pi) for _ in range(r.integers(9, 16))]))
         weight = turned(inverse(turns), self.mass * G)
+        gain = np.ones(3) if kind == 'later gain' else gain
         rows = np.column_stack([(weight + self.bias) * gain, np.cross(self.com, weight) + self.torque_bias])
         rows = rows + r.normal(0, 1, rows.shape) * np.array([3e-3] * 3 + [6e-5] * 3)
         save('statics.csv', 'fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm,qw,qx,qy,qz',

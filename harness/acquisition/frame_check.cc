@@ -109,6 +109,21 @@ void name_torque_axes(const std::vector<StaticPose>& poses, const Vec3& gravity_
   }
 }
 
+// Gains that differ from axis to axis, if they leave less than one mass for all by more than chance.
+void name_gains(const std::vector<StaticPose>& poses, const Vec3& gravity_W, const ToolIdentification& as_read,
+                FrameCheck& check) {
+  constexpr double by_chance = 1e-4;
+  const ForceGains gains = identify_gains(poses, gravity_W);
+  // Each axis measures itself before all others.
+  const Vec3 own = gains.mass_kg.diagonal(), others = gains.mass_kg.cwiseAbs().rowwise().sum() - own;
+  if (!gains.determined || !((own - others).minCoeff() > 0.0)) return;
+  const double rows = 3.0 * static_cast<double>(poses.size()), left_before = rows - 4.0, left = rows - 12.0;
+  const double before2 = rows / left_before * std::pow(as_read.fit.force_component_N, 2);
+  if (gains.sigma_N > 0.0 && !(stats::f_tail(before2 / (gains.sigma_N * gains.sigma_N), left_before, left) < by_chance))
+    return;
+  check.gains = gains;
+}
+
 }  // namespace
 
 std::string PoseReading::flags() const {
@@ -161,6 +176,8 @@ FrameCheck check_frames(const std::vector<StaticPose>& poses, const PoseReading&
     check.bad_fit = !check.torque_axes.empty();
     return check;
   }
+  name_gains(read_as(poses, reading), gravity_W_m_per_s2, as_read, check);
+  if (check.gains) return check;
   // What was read is no bar: a force that does not turn with the tool fits a bias, with hardly a mass beside it.
   double best_N = std::numeric_limits<double>::infinity();
   for (const PoseReading& other : readings()) {
@@ -194,6 +211,13 @@ std::string FrameCheck::message(const ToolIdentification& as_read, const std::st
       "set of "
       "poses leaves less than {:.0f} %",
       source, as_read.load.mass_kg, as_read.fit.force_component_N, 100.0 * share_left, 100.0 * most_weight_left);
+  if (gains) {
+    const Vec3 own = gains->gains(std::nullopt);
+    return text + fmt::format(
+                      "; with a gain for each of x, y and z, {:.3f}, {:.3f} and {:.3f} of the middle one, {:.2g} N are "
+                      "left: load the calibration of this very sensor, and check its cable and amplifier",
+                      own.x(), own.y(), own.z(), gains->sigma_N);
+  }
   if (!axes.empty()) {
     return text + fmt::format("; if {}, {:.3g} kg leave {:.2g} N per component: correct these columns in the file",
                               axes, axes_mass_kg, axes_left_N);

@@ -1,13 +1,14 @@
 // Are static poses written in the frames that the caller assumes? Fits the tool anew under each mistake that files of
 // this kind hold (force by the tool's holder, orientation inverted, quaternion in another order, wrench already turned
-// into the world, axes mirrored or exchanged) and compares what the best tool of each leaves. Nothing is applied: the
-// caller names the repair.
+// into the world, axes mirrored, exchanged or of unequal gain) and compares what the best tool of each leaves. Nothing
+// is applied: the caller names the repair.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "harness/acquisition/force_gains.h"
 #include "harness/acquisition/tool_load.h"
 
 namespace touchstone::acquisition {
@@ -52,6 +53,8 @@ struct FrameCheck {
   // reverse fit alike, with the centre of mass on the other side.
   std::string torque_axes;
   double torque_left_Nm = 0.0;
+  // Where gains of its own for each axis of the force explain what is left, beyond chance: these, and what they leave.
+  std::optional<ForceGains> gains;
 
   // Empty, or what a user must know, with the flags of the repair.
   [[nodiscard]] std::string message(const ToolIdentification& as_read, const std::string& source) const;

@@ -110,6 +110,20 @@ TEST(FrameCheck, NamesAxesThatAreMirroredOrExchanged) {
   }
 }
 
+TEST(FrameCheck, NamesGainsThatDifferByMoreThanAFitLeaves) {
+  Random random(20260106);
+  for (int axis = 0; axis < 3; ++axis) {
+    auto poses = made_poses(0.4, 0.002, 10, random);
+    for (StaticPose& pose : poses) pose.measured.f_N[axis] *= 1.4;
+    const auto as_read = identify_tool(poses, standard_gravity, "poses.csv");
+    const auto check = check_frames(poses, {}, as_read, standard_gravity, "poses.csv");
+    ASSERT_TRUE(check.bad_fit);
+    ASSERT_TRUE(check.gains);
+    EXPECT_NEAR(check.gains->gains(std::nullopt)[axis], 1.4, 0.01);
+    EXPECT_THAT(check.message(as_read, "poses.csv"), HasSubstr("with a gain for each of x, y and z"));
+  }
+}
+
 // Forces alone say nothing of the torque's columns: a wrong one gives a tool of the right mass with its centre
 // elsewhere.
 TEST(FrameCheck, NamesTheTorquesAxesAndItsReverseAsOne) {
@@ -157,6 +171,7 @@ TEST(FrameCheck, PosesThatNothingExplainsAreABadFitWithoutRepair) {
   const auto as_read = identify_tool(poses, standard_gravity, "mixed.csv");
   const auto check = check_frames(poses, {}, as_read, standard_gravity, "mixed.csv");
   EXPECT_TRUE(check.bad_fit);
+  EXPECT_FALSE(check.gains);
   EXPECT_FALSE(check.repair);
   EXPECT_EQ(check.axes, "");
   EXPECT_THAT(check.message(as_read, "mixed.csv"), HasSubstr("mixed.csv: bad fit"));

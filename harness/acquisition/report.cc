@@ -47,6 +47,10 @@ std::string report_json(const AcquisitionReport& report) {
                  {"fit", residual(t.fit)},
                  {"held_out", residual(t.held_out)}};
   }
+  if (report.gain_error) {
+    j["gain_error_N"] = report.gain_error->error_N;
+    j["gain_error_sigma_N"] = report.gain_error->sigma_N;
+  }
   if (report.clocks) {
     const auto& c = *report.clocks;
     j["clocks"] = {{"offset_s", c.offset_s},
@@ -98,6 +102,10 @@ std::string report_text(const AcquisitionReport& report) {
     text += fmt::format("tool         {:.5g} +- {:.2g} kg, residual {:.3g} N RMS per component ({:.3g} N held out)\n",
                         t.load.mass_kg, t.mass_sigma_kg, t.fit.force_component_N, t.held_out.force_component_N);
   }
+  if (report.gain_error && report.gains.determined)
+    text +=
+        fmt::format("gains        of the axes: the force may be off by {:.3g} +- {:.2g} N RMS (95 %; limit {:.2g} N)\n",
+                    report.gain_error->error_N, 2.0 * report.gain_error->sigma_N, report.gain_error->limit_N);
   if (report.clocks) {
     const auto& c = *report.clocks;
     text += fmt::format(
@@ -124,7 +132,7 @@ std::string report_text(const AcquisitionReport& report) {
   return text;
 }
 
-std::string tool_text(const ToolIdentification& t) {
+std::string tool_text(const ToolIdentification& t, const ForceGains& gains) {
   std::string text;
   text += fmt::format("mass             {:.6g} +- {:.2g} kg\n", t.load.mass_kg, t.mass_sigma_kg);
   text += fmt::format("centre of mass   {:.6g} {:.6g} {:.6g} m (+- {:.2g} {:.2g} {:.2g})\n", t.load.center_S_m.x(),
@@ -138,6 +146,11 @@ std::string tool_text(const ToolIdentification& t) {
   text += fmt::format("held out         {:.4g} N RMS per component, {:.4g} N as a vector\n",
                       t.held_out.force_component_N, t.held_out.force_vector_N);
   text += fmt::format("torque residual  {:.4g} N m RMS per component\n", t.fit.torque_component_Nm);
+  if (gains.determined) {
+    const Vec3 own = gains.gains(std::nullopt), sigma = gains.sigmas();
+    text += fmt::format("gains of the axes {:.4g} {:.4g} {:.4g} of the middle one (+- {:.2g} {:.2g} {:.2g})\n", own.x(),
+                        own.y(), own.z(), sigma.x(), sigma.y(), sigma.z());
+  }
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "harness/acquisition/force_gains.h"
 #include "harness/acquisition/smoothing.h"
 #include "harness/base/least_squares.h"
 #include "harness/stats/clustered_fit.h"
@@ -23,7 +24,7 @@ constexpr double largest_turn_rad = 0.05;
 constexpr double one_in_ten_thousand = 1e-4;
 constexpr double clear_sigmas = 5.0;
 constexpr double largest_lever_error_m = 2e-3;
-constexpr double sliding_m_per_s = 5e-3;
+constexpr double slowest_sliding_m_per_s = 5e-3;
 constexpr double largest_move_m = 1e-3;
 
 // The mean of half a second of free air: force left, and the tool's weight, in the sensor's frame.
@@ -174,8 +175,30 @@ std::optional<Vec3> clear_vector(const std::vector<stats::NormalEquations>& clus
   return clear.isZero(0.0) ? std::nullopt : std::optional(clear);
 }
 
+// Of the last `own` parameters of these clusters the part that is clear, along the directions in which the rows tell
+// them, all other parameters aside. Nothing where the clusters do not tell.
+Eigen::VectorXd clear_part(const std::vector<stats::NormalEquations>& clusters, Eigen::Index own) {
+  Eigen::VectorXd clear = Eigen::VectorXd::Zero(own);
+  if (clusters.size() < 8) return clear;
+  const stats::ClusteredFit fit(clusters);
+  if (!fit.determined()) return clear;
+  const Eigen::Index others = fit.estimate().size() - own;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(fit.estimate().size(), fit.estimate().size());
+  for (const auto& cluster : clusters) all += cluster.normal;
+  const Eigen::MatrixXd mixed = all.bottomLeftCorner(own, others);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(Eigen::MatrixXd(
+      all.bottomRightCorner(own, own) - mixed * all.topLeftCorner(others, others).ldlt().solve(mixed.transpose())));
+  for (Eigen::Index k = 0; k < own; ++k) {
+    Eigen::VectorXd contrast = Eigen::VectorXd::Zero(all.rows());
+    contrast.tail(own) = directions.eigenvectors().col(k);
+    const double value = contrast.dot(fit.estimate());
+    if (std::abs(value) > clear_sigmas * fit.error_of(contrast).sigma) clear += value * contrast.tail(own);
+  }
+  return clear;
+}
+
 // The turn of the sensor's frame that sliding contact shows, by clusters of half a second.
-std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<Vec3>& normals) {
+std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<Vec3>& normals, double sliding_m_per_s) {
   std::vector<stats::NormalEquations> clusters;
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
@@ -211,8 +234,10 @@ std::vector<Vec3> accelerations(const ContactSamples& c) {
 }
 
 // A force along the surface that is neither friction nor inertia: constant, or drawn to a place as by a cable, root
-// mean square [N] in the directions of these four that are clear, by clusters of half a second.
-double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals) {
+// mean square [N], by its parts that are clear, by clusters of half a second. With `besides_scan` it does not count
+// either what follows the load in the same way, as an error of the normal makes it.
+double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals, double sliding_m_per_s,
+                     bool besides_scan) {
   const auto n = static_cast<double>(c.t_s.size());
   Vec3 middle = Vec3::Zero();
   double spread2 = 0.0, used = 0.0;
@@ -220,10 +245,11 @@ double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals) 
   for (const Vec3& p : c.center_W_m) spread2 += (p - middle).squaredNorm() / n;
   const auto acceleration = accelerations(c);
   // What does not show, as a constant along the normal of a level surface, is held at nothing.
-  constexpr Eigen::Index others = 2, pulls = 4;
+  constexpr Eigen::Index pulls = 4;
   constexpr double held = 1e-6;
+  const Eigen::Index others = besides_scan ? 2 + pulls : 2;
   std::vector<stats::NormalEquations> clusters;
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(others + pulls, others + pulls);
+  Eigen::Matrix<double, pulls, pulls> square = Eigen::Matrix<double, pulls, pulls>::Zero();
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
     const Mat3 along = Mat3::Identity() - normals[i] * normals[i].transpose();
@@ -231,37 +257,72 @@ double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals) 
     const double load = normals[i].dot(c.force_W_N[i]);
     if (!(slip.norm() > sliding_m_per_s) || !(load > 0.0)) continue;
     if (c.t_s[i] > until) {
-      clusters.push_back({Eigen::MatrixXd::Zero(all.rows(), all.rows()), Eigen::VectorXd::Zero(all.rows())});
-      clusters.back().normal.diagonal().tail<pulls>().setConstant(held);
+      clusters.push_back(
+          {Eigen::MatrixXd::Zero(others + pulls, others + pulls), Eigen::VectorXd::Zero(others + pulls)});
+      clusters.back().normal.diagonal().tail(others + pulls - 2).setConstant(held);
       until = c.t_s[i] + air_block_s;
     }
-    Eigen::MatrixXd rows(3, all.rows());
+    Eigen::Matrix<double, 3, pulls> pull;
+    pull << along * (c.center_W_m[i] - middle) / std::sqrt(spread2), along;
+    Eigen::MatrixXd rows(3, others + pulls);
     rows.col(0) = -load * slip.normalized();
     rows.col(1) = -along * acceleration[i];
-    rows.col(2) = along * (c.center_W_m[i] - middle) / std::sqrt(spread2);
-    rows.rightCols<3>() = along;
+    if (besides_scan) rows.middleCols<pulls>(2) = load * pull;
+    rows.rightCols<pulls>() = pull;
     clusters.back().normal += rows.transpose() * rows;
     clusters.back().right += rows.transpose() * (along * c.force_W_N[i]);
-    all += rows.transpose() * rows;
+    square += pull.transpose() * pull;
     used += 1.0;
   }
-  if (clusters.size() < 8 || !(spread2 > 0.0)) return 0.0;
-  const stats::ClusteredFit fit(clusters);
-  if (!fit.determined()) return 0.0;
-  // The squares that each direction of the four explains, friction and inertia aside.
-  const Eigen::MatrixXd own = all.bottomRightCorner<pulls, pulls>() -
-                              all.bottomLeftCorner<pulls, others>() *
-                                  all.topLeftCorner<others, others>().ldlt().solve(all.topRightCorner<others, pulls>());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(own);
-  double pull2 = 0.0;
-  for (Eigen::Index k = 0; k < pulls; ++k) {
-    Eigen::VectorXd contrast = Eigen::VectorXd::Zero(all.rows());
-    contrast.tail<pulls>() = directions.eigenvectors().col(k);
-    const double value = contrast.dot(fit.estimate());
-    if (std::abs(value) > clear_sigmas * fit.error_of(contrast).sigma)
-      pull2 += value * value * directions.eigenvalues()[k] / used;
+  if (!(spread2 > 0.0) || !(used > 0.0)) return 0.0;
+  const Eigen::VectorXd pull = clear_part(clusters, pulls);
+  return std::sqrt(pull.dot(square * pull) / used);
+}
+
+// Gains of the sensor's axes and crosstalk between them that sliding contact shows: what they make of the push lies
+// along the surface, and turns with the sensor. The root mean square error of the contact forces [N], by the parts that
+// are clear; the gain that all axes share does not show, so that any axis may be the right one (force_gains.h).
+double gain_error_by_sliding_N(const ContactSamples& c, const std::vector<Vec3>& normals, double sliding_m_per_s) {
+  constexpr Eigen::Index others = 4, gains = 5;  // friction and a turn; symmetric, without a trace
+  constexpr double held = 1e-6;
+  const auto matrix_of = [](const Eigen::VectorXd& g) {
+    Mat3 m;
+    m << g[0], g[2], g[3], g[2], g[1], g[4], g[3], g[4], -g[0] - g[1];
+    return m;
+  };
+  std::vector<stats::NormalEquations> clusters;
+  Mat3 moments = Mat3::Zero();
+  double until = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < c.t_s.size(); ++i) {
+    const Vec3 f_S = c.q_WS[i].conjugate() * c.force_W_N[i];
+    moments += f_S * f_S.transpose() / static_cast<double>(c.t_s.size());
+    const Mat3 along = Mat3::Identity() - normals[i] * normals[i].transpose();
+    const Vec3 slip = along * c.velocity_W_m_per_s[i];
+    const double load = normals[i].dot(c.force_W_N[i]);
+    if (!(slip.norm() > sliding_m_per_s) || !(load > 0.0)) continue;
+    if (c.t_s[i] > until) {
+      clusters.push_back(
+          {Eigen::MatrixXd::Zero(others + gains, others + gains), Eigen::VectorXd::Zero(others + gains)});
+      clusters.back().normal.diagonal().tail<gains>().setConstant(held);
+      until = c.t_s[i] + air_block_s;
+    }
+    const Mat3 r_WS = c.q_WS[i].toRotationMatrix();
+    Eigen::MatrixXd rows(3, others + gains);
+    rows.col(0) = -load * slip.normalized();
+    rows.middleCols<3>(1) = -load * cross_matrix(normals[i]) * r_WS;
+    for (Eigen::Index k = 0; k < gains; ++k)
+      rows.col(others + k) =
+          load * along * r_WS * matrix_of(Eigen::VectorXd::Unit(gains, k)) * r_WS.transpose() * normals[i];
+    clusters.back().normal += rows.transpose() * rows;
+    clusters.back().right += rows.transpose() * (along * c.force_W_N[i]);
   }
-  return std::sqrt(pull2);
+  const Mat3 off = matrix_of(clear_part(clusters, gains));
+  double worst2 = 0.0;
+  for (const double right : Eigen::SelfAdjointEigenSolver<Mat3>(off, Eigen::EigenvaluesOnly).eigenvalues()) {
+    const Mat3 error = off - right * Mat3::Identity();
+    worst2 = std::max(worst2, (error * moments * error.transpose()).trace());
+  }
+  return std::sqrt(worst2);
 }
 
 // How far off the ball's centre the torque acts, in the sensor's frame, by clusters of half a second; empty without a
@@ -319,11 +380,11 @@ RigidTransform weighed_correction(const Surface& surface, const ContactSamples& 
   return {q, begin + move.head<3>() - q * begin};
 }
 
-std::vector<std::string> check_contacts(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
-                                        double tracker_noise_m, double contact_force_N,
-                                        const ContactRegistration& refinement, const MarkerRegistration& markers,
-                                        const ObjectMove& move) {
-  std::vector<std::string> faults;
+ContactCheck check_contacts(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
+                            double tracker_noise_m, double contact_force_N, const ContactRegistration& refinement,
+                            const MarkerRegistration& markers, const ObjectMove& move) {
+  ContactCheck check;
+  auto& faults = check.faults;
   const GapRows rows = gap_rows(surface, contacts, tip_radius_m);
   const auto n = static_cast<double>(rows.gap.size());
   Eigen::VectorXd fit;
@@ -366,7 +427,11 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
           1e3 * std::sqrt(moved2), 1e3 * std::sqrt(open2)));
     }
   }
-  if (const auto turn = turn_by_sliding(contacts, rows.normal); turn && turn->norm() > largest_turn_rad) {
+  // Ten standard errors of a speed over a tenth of a second: its direction is good to 0.1 rad.
+  const double sliding_m_per_s =
+      std::max(slowest_sliding_m_per_s, 10.0 * std::sqrt(2.0) * tracker_noise_m / speed_span_s);
+  if (const auto turn = turn_by_sliding(contacts, rows.normal, sliding_m_per_s);
+      turn && turn->norm() > largest_turn_rad) {
     faults.push_back(fmt::format(
         "while the tip slides, the surface's push is turned by {:.2g} rad in the sensor's frame (limit {:.2g}): check "
         "/probe/q_PS, the attitude of the sensor on the probe, and the force's bias",
@@ -375,17 +440,34 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
   double push_N = 0.0;
   for (std::size_t i = 0; i < contacts.t_s.size(); ++i)
     push_N += std::max(0.0, rows.normal[i].dot(contacts.force_W_N[i])) / n;
-  // Over 10 mm, a short stroke, the scan's error turns the normal, and so much of the push lies along the surface.
+  // Over 10 mm, a short stroke, the scan's error turns the normal, and so much of the push lies along the surface. A
+  // pull that does not follow the push is none of it.
   constexpr double scan_slope_rad = scan_error_m / 0.01;
-  const double pull = steady_pull_N(contacts, rows.normal),
-               most_pull = 0.125 * contact_force_N + scan_slope_rad * push_N;
-  if (pull > most_pull) {
+  const double pull = steady_pull_N(contacts, rows.normal, sliding_m_per_s, false),
+               besides = steady_pull_N(contacts, rows.normal, sliding_m_per_s, true),
+               most_pull = 0.125 * contact_force_N;
+  if (pull > most_pull + scan_slope_rad * push_N || besides > most_pull) {
     faults.push_back(fmt::format(
         "while the tip slides, {:.2g} N along the surface are neither friction nor the tool's inertia (limit {:.2g} N, "
-        "an eighth of the contact force and what the scan's error makes of the push): does a cable or a hose pull at "
-        "the tool? Lead it along the arm, or hang it "
-        "up, and record again",
+        "an eighth of the contact force, and {:.2g} N more if they may be the scan's error): does a cable or a hose "
+        "pull at the tool? Lead it along the arm, or hang it up, and record again",
+        std::max(pull, besides), most_pull, scan_slope_rad * push_N));
+  } else if (pull > most_pull) {
+    check.doubts.push_back(fmt::format(
+        "cannot tell whether something pulls at the tool: {:.2g} N along the surface (limit {:.2g} N, an eighth of the "
+        "contact force) may be a cable's pull or the scan's error; push harder and softer in turn, which tells them "
+        "apart",
         pull, most_pull));
+  }
+  const double gain_N = gain_error_by_sliding_N(contacts, rows.normal, sliding_m_per_s),
+               most_gain_N = std::max(0.25 * contact_force_N, largest_gain_error * push_N);
+  // The scan's error may look so, and where the sensor hardly turns, noise.
+  if (gain_N > most_gain_N) {
+    check.doubts.push_back(fmt::format(
+        "cannot tell whether the force's axes still have one gain: while the tip slides, a part of the surface's push "
+        "turns with the sensor; if gains make it, the force is off by up to {:.2g} N (limit {:.2g} N, a quarter of the "
+        "contact force or 3 % of the push): measure the tool's static poses again, and check the scan of the object",
+        gain_N, most_gain_N));
   }
   if (const auto off = lever_error(contacts, rows.normal, tip_radius_m); off && off->norm() > largest_lever_error_m) {
     faults.push_back(fmt::format(
@@ -393,7 +475,7 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
         "(limit {:.2g} mm): check /probe/tip_S_m, and that the sensor's torques and forces have the same signs",
         1e3 * off->norm(), 1e3 * off->x(), 1e3 * off->y(), 1e3 * off->z(), 1e3 * largest_lever_error_m));
   }
-  return faults;
+  return check;
 }
 
 }  // namespace touchstone::acquisition

@@ -20,7 +20,13 @@
 // sensor, e x N n, is a turned frame (the same 0.05 rad, and five standard errors from clusters of half a second). A
 // part along the surface that friction and inertia (m a, which stays in a recording) leave, constant or drawn to a
 // place, is a bias or a cable's pull. Its part along the normal does not show, so that the limit is half that of a bias
-// in free air, and what the scan's error makes of the push: 0.2 mm over 10 mm turn the normal by 0.02 rad.
+// in free air. What the scan's error makes of the push (0.2 mm over 10 mm turn the normal by 0.02 rad) follows the
+// push, and a pull does not: what is beyond the limit besides parts that follow the push is a pull, else only what is
+// beyond it by that much too; between the two there is doubt.
+//   Gains of the sensor's axes, E symmetric and without a trace, make R E R^T N n of a push N n, of which the part
+//   along
+// the surface turns with the sensor, R: the same fit with five more parameters shows a gain that changed after the
+// static poses, if the sensor turns against the surface. Limit: as for static poses (force_gains.h); it is a doubt.
 //   A ball of radius r that is pushed by f at its foot -r n has the torque -r n x f about its centre. What is left of
 // the measured one, f x e + b in the sensor's frame, is a centre declared e off, and a torque's bias b. Limit: 2 mm, as
 // far as positions may be off at their worst, and five standard errors as above.
@@ -64,9 +70,12 @@ double contact_compliance_m_per_N(const surface::Surface& surface, const Contact
 // contacts'. Where contacts hardly tell a direction (along a nearly level surface) the markers keep it.
 RigidTransform weighed_correction(const surface::Surface& surface, const ContactSamples& contacts, double tip_radius_m,
                                   const ContactRegistration& refinement, const MarkerRegistration& markers);
-std::vector<std::string> check_contacts(const surface::Surface& surface, const ContactSamples& contacts,
-                                        double tip_radius_m, double tracker_noise_m, double contact_force_N,
-                                        const ContactRegistration& refinement, const MarkerRegistration& markers,
-                                        const ObjectMove& move);
+// As above; `doubts`: what these contacts do not tell.
+struct ContactCheck {
+  std::vector<std::string> faults, doubts;
+};
+ContactCheck check_contacts(const surface::Surface& surface, const ContactSamples& contacts, double tip_radius_m,
+                            double tracker_noise_m, double contact_force_N, const ContactRegistration& refinement,
+                            const MarkerRegistration& markers, const ObjectMove& move);
 
 }  // namespace touchstone::acquisition

@@ -37,17 +37,29 @@ enum class Disturbance {
   turned_sensor,
   reversed_statics,
   lost_packets,
-  cable
+  cable,
+  gain,
+  later_gain
 };
 inline constexpr std::array all_disturbances{
     Disturbance::knock_at_start,  Disturbance::knock_half_way,   Disturbance::bias_drift,  Disturbance::held_poses,
     Disturbance::swapped_markers, Disturbance::moved_object,     Disturbance::wrong_tip,   Disturbance::wrong_lever,
     Disturbance::turned_sensor,   Disturbance::reversed_statics, Disturbance::lost_packets};
 inline std::string_view name_of(Disturbance d) {
-  constexpr std::array<std::string_view, 13> names{
-      "none",         "knock at the start", "knock half-way", "bias drift",    "held poses",       "swapped markers",
-      "moved object", "wrong tip",          "wrong lever",    "turned sensor", "reversed statics", "lost packets",
-      "cable"};
+  constexpr std::array<std::string_view, 15> names{"none",
+                                                   "knock at the start",
+                                                   "knock half-way",
+                                                   "bias drift",
+                                                   "held poses",
+                                                   "swapped markers",
+                                                   "moved object",
+                                                   "wrong tip",
+                                                   "wrong lever",
+                                                   "turned sensor",
+                                                   "reversed statics",
+                                                   "lost packets",
+                                                   "cable",
+                                                   "gain"};
   return names.at(static_cast<std::size_t>(d));
 }
 
@@ -127,7 +139,7 @@ class SimulatedSession {
   [[nodiscard]] bool steady(double t) const { return t > scan_from_ + 1.0 && t < scan_to_ - 1.0; }
 
  private:
-  static constexpr double cable_N_per_m = 5.0;
+  static constexpr double cable_N_per_m = 5.0, wrong_gain = 1.12;
 
   static double bumps(double x, double y) {
     return 0.012 * std::exp(-((x - 0.012) * (x - 0.012) + (y + 0.02) * (y + 0.02)) / (2 * 0.04 * 0.04)) +
@@ -188,6 +200,11 @@ class SimulatedSession {
     if (disturbance_ == Disturbance::bias_drift) return bias_ + t / length_s_ * step_N_;
     return bias_;
   }
+  // `later`: than the static poses.
+  [[nodiscard]] Vec3 measured(const Vec3& f, bool later) const {
+    const bool wrong = disturbance_ == Disturbance::gain || (later && disturbance_ == Disturbance::later_gain);
+    return wrong ? Vec3(f.x(), f.y(), wrong_gain * f.z()) : f;
+  }
   // What the tool pulls at rest or moving, in the sensor's frame, with bias.
   // `foot_W`: where the surface pushes, from the ball's centre.
   std::array<Vec3, 2> sensor(const Quat& q, const Vec3& push, const Vec3& foot_W, const Vec3& acceleration,
@@ -207,7 +224,7 @@ class SimulatedSession {
       Vec3 a = (center(t + 1e-3) - 2 * center(t) + center(t - 1e-3)) / 1e-6;
       if (disturbance_ == Disturbance::cable) a += cable_N_per_m * (center(t) - center(0.0)) / mass_;
       auto w = sensor(attitude(t), contact(t), foot(t), a, bias_at(t));
-      w[0] += noise(0.01), w[1] += noise(2e-4);
+      w[0] = measured(w[0], true) + noise(0.01), w[1] += noise(2e-4);
       text += fmt::format("{:.7f},{:.6f},{:.6f},{:.6f},{:.7f},{:.7f},{:.7f}\n", t * (1 + skew_) + offset_s_, w[0].x(),
                           w[0].y(), w[0].z(), w[1].x(), w[1].y(), w[1].z());
     }
@@ -242,7 +259,7 @@ class SimulatedSession {
     for (int i = 0; i < 12; ++i) {
       const Quat q = random_.rotation();  // sensor to tracker
       auto w = sensor(q_TW_.conjugate() * q, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), bias_);
-      w[0] = sign * (w[0] + noise(2e-3)), w[1] = sign * (w[1] + noise(4e-5));
+      w[0] = sign * (measured(w[0], false) + noise(2e-3)), w[1] = sign * (w[1] + noise(4e-5));
       statics += fmt::format("{:.7f},{:.7f},{:.7f},{:.8f},{:.8f},{:.8f},{:.9f},{:.9f},{:.9f},{:.9f}\n", w[0].x(),
                              w[0].y(), w[0].z(), w[1].x(), w[1].y(), w[1].z(), q.w(), q.x(), q.y(), q.z());
     }

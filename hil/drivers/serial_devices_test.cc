@@ -5,10 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "harness/base/error.h"
@@ -214,21 +218,37 @@ std::unique_ptr<WrenchSource> open_cell(const SerialEmulator& sketch, int baud =
   return open_load_cell({sketch.node(), baud, 1.0, 1, 'z', 0.0});
 }
 
-// A sketch that says these lines at these times [s].
-SerialEmulator::Device says(std::vector<std::pair<double, std::string>> lines) {
-  return [lines = std::move(lines), next = std::size_t{0}](const std::string&, double t_s, int) mutable {
-    std::string said;
-    while (next < lines.size() && lines[next].first <= t_s) said += lines[next++].second;
-    return said;
+// A sketch that says the first text at once, and the second when it may.
+SerialEmulator::Device says(std::string first, std::string second, const std::atomic<bool>& may) {
+  return [first = std::move(first), second = std::move(second), &may](const std::string&, double, int) mutable {
+    return may && first.empty() ? std::exchange(second, "") : std::exchange(first, "");
   };
+}
+
+// So many samples, with the patience that a busy machine needs.
+std::vector<WrenchSample> collect_count(WrenchSource& source, std::size_t count) {
+  const double until = MonotonicClock().now_s() + 30.0;
+  std::vector<WrenchSample> all;
+  std::array<WrenchSample, 4> some;
+  while (all.size() < count) {
+    const auto n = source.read(some, until);
+    if (n == 0) break;
+    all.insert(all.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(n));
+  }
+  return all;
 }
 
 // An adapter hands on at once what came in 16 ms: each line was on the wire before the next.
 TEST(LoadCell, LinesThatComeTogetherHaveTimesOfTheirOwn) {
-  const SerialEmulator sketch(says({{0.0, "a 1\na 2\na 3\n"}, {0.4, "a 4\na 5\na 6\na 7\n"}}));
+  std::atomic<bool> started{false};
+  const SerialEmulator sketch(says("a 1\na 2\na 3\n", "a 4\na 5\na 6\na 7\n", started));
   const auto source = open_cell(sketch);
   source->start();
-  const auto samples = collect(*source, 0.7);
+  // No sooner than a line at this speed could: its second text takes 3 ms.
+  MonotonicClock clock;
+  clock.sleep_until(clock.now_s() + 0.01);
+  started = true;
+  const auto samples = collect_count(*source, 3);
   ASSERT_EQ(samples.size(), 3U) << "the first after start() may be the end of one";
   for (std::size_t i = 1; i < samples.size(); ++i) {
     EXPECT_NEAR(samples[i].t_s - samples[i - 1].t_s, 10.0 * 4 / 57600, 2e-6);
@@ -239,16 +259,13 @@ TEST(LoadCell, LinesThatComeTogetherHaveTimesOfTheirOwn) {
 TEST(LoadCell, WholeLinesAreKeptForALateReader) {
   std::string all;
   for (int i = 100; i < 400; ++i) all += fmt::format("{}\n", i);
-  const SerialEmulator sketch(says({{0.0, "1\n2\n3\n"}, {0.4, all}, {0.6, std::string(2000, 'x') + "7\n8\n9\n"}}));
+  std::atomic<bool> started{false};
+  const SerialEmulator sketch(says("1\n2\n3\n", all + std::string(2000, 'x') + "7\n8\n9\n", started));
   const auto source = open_cell(sketch);
   source->start();
+  started = true;
   std::vector<double> read;
-  std::array<WrenchSample, 4> some;
-  MonotonicClock clock;
-  for (const double until = clock.now_s() + 1.0; clock.now_s() < until;) {
-    const auto n = source->read(some, until);
-    for (std::size_t i = 0; i < n; ++i) read.push_back(some[i].wrench.f_N.z());
-  }
+  for (const WrenchSample& sample : collect_count(*source, 301)) read.push_back(sample.wrench.f_N.z());
   std::vector<double> expected(299);  // less the first
   std::iota(expected.begin(), expected.end(), 101.0);
   expected.insert(expected.end(), {8.0, 9.0});
@@ -258,11 +275,13 @@ TEST(LoadCell, WholeLinesAreKeptForALateReader) {
 
 // A start-up between readings, as of a microcontroller that resets itself, is none.
 TEST(LoadCell, OnlyLinesWithTheWordsOfReadingsAreReadings) {
-  const SerialEmulator sketch(says({{0.0, "load: 1.0 g\nload: 1.0 g\nload: 1.0 g\n"},
-                                    {0.4, "load: 1.0 g\nload: 2.0 g\nraw: -153217\nmean: -153216\nload: 3.0 g\n"}}));
+  std::atomic<bool> started{false};
+  const SerialEmulator sketch(says("load: 1.0 g\nload: 1.0 g\nload: 1.0 g\n",
+                                   "load: 1.0 g\nload: 2.0 g\nraw: -153217\nmean: -153216\nload: 3.0 g\n", started));
   const auto source = open_cell(sketch);
   source->start();
-  const auto samples = collect(*source, 0.7);
+  started = true;
+  const auto samples = collect_count(*source, 2);
   ASSERT_EQ(samples.size(), 2U);
   EXPECT_EQ(samples[0].wrench.f_N.z(), 2.0);
   EXPECT_EQ(samples[1].wrench.f_N.z(), 3.0);

@@ -16,12 +16,14 @@
 #include "harness/base/atomic_file.h"
 #include "hil/drivers/bota.h"
 #include "hil/drivers/comedi_daq.h"
+#include "hil/drivers/falcon.h"
 #include "hil/drivers/haply.h"
 #include "hil/drivers/load_cell.h"
 #include "hil/drivers/natnet.h"
 #include "hil/drivers/ndi.h"
 #include "hil/drivers/netft.h"
 #include "hil/drivers/onrobot.h"
+#include "hil/drivers/plugin_device.h"
 #include "hil/drivers/vendor_devices.h"
 #include "hil/drivers/vrpn.h"
 #include "hil/emulators/ati_calibration_for_test.h"
@@ -32,6 +34,7 @@
 #include "hil/emulators/onrobot_emulator.h"
 #include "hil/emulators/serial_emulator.h"
 #include "hil/emulators/stepped_clock.h"
+#include "hil/emulators/usb_emulator.h"
 #include "hil/emulators/vrpn_emulator.h"
 #include "hil/record/multi_session.h"
 #include "hil/record/stream_export.h"
@@ -180,6 +183,22 @@ class ClockSteps : public ::testing::Test {
     return {"comedi", nullptr, stream_of(open_comedi_ati(options)), 0.0};
   }
 
+  static Rig plugin() {
+    return {"c-plugin", nullptr, stream_of(open_plugin_device(TOUCHSTONE_EXAMPLE_DEVICE, "press"), 250.0), 0.0};
+  }
+  // On an emulated bus, under unmodified libusb; its encoders stand still.
+  static Rig falcon() {
+    struct Plugged {
+      FalconModel model{true};
+      UsbEmulator usb{UsbEmulator::Identity{}, model};
+    };
+    auto plugged = std::make_shared<Plugged>();
+    FalconOptions options;
+    options.emulated = true;
+    options.timeout_s = 3.0;
+    return {"falcon", plugged, stream_of(open_falcon(options), 250.0), 0.0};
+  }
+
   // Records `half` samples of each, lets some wait, sets the clock, and records as many. `sent` counts what one of the
   // emulators sends.
   // `waited_s_` is how long the first stream waited for the slowest.
@@ -258,9 +277,10 @@ class ClockSteps : public ::testing::Test {
   double waited_s_ = 0.0;
 };
 
-constexpr const char* too_busy = "the machine is too busy to read eleven devices in time";
+constexpr const char* too_busy = "the machine is too busy to read all devices in time";
 
 TEST_F(ClockSteps, OfThisComputerLeaveEveryAxisAsItWas) {
+  ASSERT_TRUE(UsbEmulator::preloaded()) << "needs LD_PRELOAD=libumockdev-preload.so.0 (ctest sets it)";
   for (const double step_s : {0.2, -0.2, 3.0, -3.0}) {
     const auto make_all = [&] {
       std::vector<Rig> all;
@@ -270,6 +290,8 @@ TEST_F(ClockSteps, OfThisComputerLeaveEveryAxisAsItWas) {
       all.push_back(comedi(folder_.string() + ".cal"));
       all.push_back(vendors("force-dimension", open_force_dimension));
       all.push_back(vendors("openhaptics", open_openhaptics));
+      all.push_back(plugin());
+      all.push_back(falcon());
       return all;
     };
     std::vector<Rig> rigs;
