@@ -155,6 +155,7 @@ void add_replay(CLI::App& program, Run& run) {
   command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
   options->meshes.add_repair_to(*command);
+  options->meshes.add_weld_to(*command);
   options->meshes.add_two_sided_to(*command);
   command
       ->add_option("--trajectory", options->trajectory,

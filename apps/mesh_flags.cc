@@ -19,6 +19,12 @@ void MeshFlags::add_repair_to(CLI::App& command) {
                    "other way than most of their piece, and closed pieces that are inside out; says how many");
 }
 
+void MeshFlags::add_weld_to(CLI::App& command) {
+  command.add_option("--weld", weld,
+                     "Close the seams of open sheets that meet with a step or a gap of up to this, such as 0.01mm: "
+                     "corners along open edges are joined, and triangles split where a corner lies on their edge");
+}
+
 void MeshFlags::add_two_sided_to(CLI::App& command) {
   command.add_flag("--two-sided", two_sided,
                    "Triangles stop the tip from both sides (god-object, friction-cone, force-shading): for sheets that "
@@ -33,6 +39,14 @@ TriangleMesh MeshFlags::load(const std::string& path, const std::string& unit) c
 }
 
 void MeshFlags::repair_if_wanted(TriangleMesh& mesh) const {
+  if (!weld.empty()) {
+    surface::OrientedMesh welded = weld_seams(mesh, parse_length_m(weld, "--weld"));
+    fmt::print(stderr, "{}\n",
+               welded.joined + welded.split > 0
+                   ? repair_note(welded)
+                   : fmt::format("{}: no corners of open edges lie within {}", mesh.source, weld));
+    mesh = std::move(welded.mesh);
+  }
   if (!repair) return;
   surface::OrientedMesh repaired = orient(mesh);
   if (const std::string note = repair_note(repaired); !note.empty()) fmt::print(stderr, "{}\n", note);

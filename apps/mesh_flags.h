@@ -1,5 +1,5 @@
-// --repair and --two-sided, and what is said of a mesh before it is rendered: the same for every command that reads
-// one.
+// --repair, --weld and --two-sided, and what is said of a mesh before it is rendered: the same for every command that
+// reads one.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,13 +13,15 @@ namespace touchstone::apps {
 
 struct MeshFlags {
   bool repair = false;
+  std::string weld;  // length with its unit; empty: no seams are closed
   bool two_sided = false;
 
   void add_repair_to(CLI::App& command);
+  void add_weld_to(CLI::App& command);
   void add_two_sided_to(CLI::App& command);
 
-  // The file's mesh, repaired where that is asked for; says on stderr what was turned. Throws as load_mesh() and
-  // orient() do.
+  // The file's mesh, repaired where that is asked for; says on stderr what was done. Throws as load_mesh(),
+  // weld_seams() and orient() do.
   [[nodiscard]] surface::TriangleMesh load(const std::string& path, const std::string& unit) const;
   // The same for a mesh that was read already.
   void repair_if_wanted(surface::TriangleMesh& mesh) const;

@@ -17,7 +17,6 @@
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 #include "renderers/instrument/assemble.h"
-#include "renderers/proxy/ball_vicinity.h"
 
 namespace touchstone::renderers {
 using rendering::InstrumentStage;
@@ -265,7 +264,6 @@ class ModelPredictor final : public rendering::Predictor {
 
   // Of the first `count` samples.
   [[nodiscard]] std::vector<StepResult> run(const Model& base, const Instrument& instrument, std::size_t count) {
-    const BallVicinity::OnDemand once;  // each geometry is run once, over this motion
     auto renderer = make_renderer(base, surface_);
     renderer->reset();
     std::vector<StepResult> steps;

@@ -112,6 +112,21 @@ TEST(FaultPairs, ATurnOfTheAxesIsAnExchangeAndAMirror) {
   }
 }
 
+// Which axis, how much, and what to do, in words; an axis whose sign means nothing has its largest part positive.
+TEST(FaultSentences, ASaturationSaysWhereAndWhatToDo) {
+  const auto said = [](const Fault& fault) {
+    const Diagnosis found = diagnose(planted(right("god-object"), fault), {"saturation"});
+    return found.findings.empty() ? "" : found.findings.front().what;
+  };
+  EXPECT_EQ(said(clipped_along(Vec3(-0.6, 0.0, -0.8), 2.5)),
+            "the force is cut off at 2.5 N along (0.60, 0.00, 0.80), either way, and what is left points elsewhere: "
+            "shorten all of the force, not a component of it");
+  EXPECT_THAT(said(clipped_by_axis(3.0)), ::testing::StartsWith("each component of the force is cut off at 3 N, and"));
+  const Fault upwards = mapped("clipped where positive", "saturation",
+                               [](const Vec3& f) { return Vec3(f.x(), f.y(), std::min(f.z(), 1.7)); });
+  EXPECT_THAT(said(upwards), ::testing::StartsWith("the force is cut off at 1.7 N along z, and what"));
+}
+
 // The commonest engine of all: its physics runs at 60 Hz. That is named, and the other fault too.
 TEST(FaultPairs, OfTwoFaultsBothAreNamed) {
   std::vector<std::pair<Fault, Fault>> pairs{

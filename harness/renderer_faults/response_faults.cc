@@ -21,6 +21,16 @@ constexpr const char* kTurnedBlocks = "the tops of blocks that look in 20 direct
 
 std::string axis_name(std::size_t axis) { return {"xyz"[axis]}; }
 
+// "x" along an axis of the world, else its components, the largest of which is positive.
+std::string direction_name(const Vec3& axis) {
+  Eigen::Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  constexpr double upright = 1.0 - 1e-6;
+  if (std::abs(axis[largest]) > upright) return axis_name(static_cast<std::size_t>(largest));
+  const auto shown = [](double part) { return std::abs(part) < 0.005 ? 0.0 : part; };
+  return fmt::format("({:.2f}, {:.2f}, {:.2f})", shown(axis.x()), shown(axis.y()), shown(axis.z()));
+}
+
 bool exchanged(const ForceMap& map) {
   return map.from[0] >= 0 && map.from[1] >= 0 && map.from[2] >= 0 && map.from != std::array<int, 3>{0, 1, 2};
 }
@@ -122,31 +132,39 @@ std::optional<Finding> find_saturation(const Engine& engine) {
   if (!map.limits_components())
     return Finding{"saturation", fmt::format("the force never exceeds {:.4g} N", map.limit_N), kTurnedBlocks,
                    map.limit_N, "N"};
-  const bool turned = !map.limited.isIdentity();
   std::vector<std::string> limits;
   double lowest_N = kNoLimit_N;
   double highest_N = 0.0;
+  bool all = true;
   for (Eigen::Index a = 0; a < 3; ++a) {
-    const Vec3 axis = map.limited.row(a);
-    const std::string name = turned ? fmt::format("({:.3g}, {:.3g}, {:.3g})", axis.x(), axis.y(), axis.z())
-                                    : axis_name(static_cast<std::size_t>(a));
-    for (const double sign : {1.0, -1.0}) {
-      const double limit_N = sign > 0.0 ? map.most_N[a] : -map.least_N[a];
+    Vec3 axis = map.limited.row(a);
+    double up_N = map.most_N[a];
+    double down_N = -map.least_N[a];
+    if (axis.maxCoeff() < -axis.minCoeff()) {
+      axis = -axis;
+      std::swap(up_N, down_N);
+    }
+    for (const double limit_N : {up_N, down_N}) {
+      all = all && std::isfinite(limit_N);
       if (!std::isfinite(limit_N)) continue;
       lowest_N = std::min(lowest_N, limit_N);
       highest_N = std::max(highest_N, limit_N);
-      limits.push_back(fmt::format("{:.4g} N along {}{}", limit_N, sign > 0.0 ? "" : "-", name));
+    }
+    const std::string name = direction_name(axis);
+    if (std::isfinite(up_N) && std::abs(up_N - down_N) <= 1e-3 * up_N) {
+      limits.push_back(fmt::format("{:.4g} N along {}, either way", up_N, name));
+    } else {
+      if (std::isfinite(up_N)) limits.push_back(fmt::format("{:.4g} N along {}", up_N, name));
+      if (std::isfinite(down_N)) limits.push_back(fmt::format("{:.4g} N against {}", down_N, name));
     }
   }
-  constexpr std::size_t all = 6;
-  const bool same = limits.size() == all && highest_N < 1.001 * lowest_N;
-  return Finding{
-      "saturation",
-      (same ? fmt::format("no component of the force exceeds {:.4g} N{}", lowest_N,
-                          turned ? fmt::format(", along the axes of a turned frame ({})", fmt::join(limits, ", ")) : "")
-            : fmt::format("the force never exceeds {}", fmt::join(limits, ", "))) +
-          ": clipped axis by axis, it turns away from the normal",
-      kTurnedBlocks, lowest_N, "N"};
+  const bool same = all && highest_N < 1.001 * lowest_N;
+  std::string what = fmt::format("the force is cut off at {}", fmt::join(limits, " and at "));
+  if (same && map.limited.isIdentity())
+    what = fmt::format("each component of the force is cut off at {:.4g} N", lowest_N);
+  return Finding{"saturation",
+                 what + ", and what is left points elsewhere: shorten all of the force, not a component of it",
+                 kTurnedBlocks, lowest_N, "N"};
 }
 
 std::optional<Finding> find_quantised(const Engine& engine) {

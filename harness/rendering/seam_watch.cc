@@ -74,7 +74,7 @@ std::string seam_warning(const SeamLosses& losses) {
   return fmt::format(
       "At {:g} s the tip, {:.3g} m deep, falls through an open seam of the mesh at ({:.6g}, {:.6g}, {:.6g}) m{}: there "
       "two sheets meet with a step or a gap, and the forces from then on are those of a tip behind them; touchstone "
-      "doctor shows the open edges.",
+      "doctor shows the open edges, and replay --weld closes them.",
       losses.first_t_s, losses.first_depth_m, losses.first_at_W_m.x(), losses.first_at_W_m.y(), losses.first_at_W_m.z(),
       losses.count > 1 ? fmt::format(" ({} times in all)", losses.count) : "");
 }

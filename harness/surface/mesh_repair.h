@@ -15,6 +15,7 @@ struct OrientedMesh {
   std::size_t pieces_turned = 0;  // closed pieces that were inside out as a whole
   std::size_t joined = 0;         // corners along open edges that are another one now
   double widest_gap_m = 0.0;      // between two of them
+  std::size_t split = 0;          // triangles that have a corner of another one on an edge now
   std::size_t open_edges = 0;     // that are left
 };
 
@@ -25,6 +26,12 @@ struct OrientedMesh {
 // out rightly). A sheet keeps the side that most of it has. Throws BadData with the place for a piece that has no
 // orientation, such as a Moebius strip.
 OrientedMesh orient(const TriangleMesh& mesh);
+
+// Closes the seams of open sheets: along open edges corners within `distance_m` of one another become one, and where
+// one lies as near to another triangle's open edge, between its ends (a T-junction), that triangle is split there.
+// Triangles that are split keep their place with one part, the other parts follow all. Throws UsageError for a distance
+// that is not positive, BadData with the place where a triangle would lose its area.
+OrientedMesh weld_seams(const TriangleMesh& mesh, double distance_m);
 
 // What was done, as sentences that name the mesh's source; empty if nothing was.
 std::string repair_note(const OrientedMesh& repaired);

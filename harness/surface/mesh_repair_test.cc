@@ -165,5 +165,74 @@ TEST(MeshRepair, TwoSidedHasEveryTriangleFromBothSides) {
   EXPECT_EQ(make_topology(both).open_edge_count, 0U);
 }
 
+// Brick after brick, each row shifted by a part of a brick and all corners off by up to `off`: every seam is full of
+// T-junctions, and no two sheets share a corner.
+TriangleMesh bricks(int rows, double length, double off) {
+  Random random(11);
+  TriangleMesh mesh;
+  mesh.source = "bricks.obj";
+  for (int row = 0; row < rows; ++row) {
+    for (int k = 0; k < rows; ++k) {
+      const auto first = static_cast<std::int32_t>(mesh.vertices_W_m.size());
+      const Vec3 corner((k + 0.37 * (row % 3)) * length, 0.5 * row * length, 0.0);
+      for (const Vec3& to :
+           {Vec3(0, 0, 0), Vec3(length, 0, 0), Vec3(length, 0.5 * length, 0), Vec3(0, 0.5 * length, 0)})
+        mesh.vertices_W_m.push_back(
+            corner + to + off * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)) / 2);
+      mesh.triangles.push_back({first, first + 1, first + 2});
+      mesh.triangles.push_back({first, first + 2, first + 3});
+    }
+  }
+  return mesh;
+}
+
+// Every edge that does not lie on the outline has two triangles, and the area is the bricks'.
+TEST(MeshRepair, WeldingClosesSeamsWithSteps) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    const double length = 0.013 * scale;
+    constexpr int kRows = 7;
+    const TriangleMesh open = bricks(kRows, length, 1e-5 * length);
+    const OrientedMesh welded = weld_seams(open, 4e-5 * length);
+    EXPECT_GT(welded.joined, 30U);
+    EXPECT_GT(welded.split, 30U);
+    EXPECT_GT(welded.widest_gap_m, 0.0);
+    EXPECT_LE(welded.widest_gap_m, 4e-5 * length);
+    const MeshTopology topology = make_topology(welded.mesh);
+    EXPECT_EQ(topology.open_edge_count, welded.open_edges);
+    EXPECT_TRUE(topology.non_manifold_edges.empty());
+    double area = 0.0;
+    for (const auto& [a, b, c] : welded.mesh.triangles) {
+      const auto p = [&](std::int32_t v) { return welded.mesh.vertices_W_m[static_cast<std::size_t>(v)]; };
+      const Vec3 n = (p(b) - p(a)).cross(p(c) - p(a));
+      EXPECT_GT(n.z(), 0.0);
+      area += 0.5 * n.norm();
+    }
+    EXPECT_NEAR(area, 0.5 * kRows * kRows * length * length, 1e-3 * length * length);
+    for (std::size_t t = 0; t < welded.mesh.triangle_count(); ++t) {
+      for (std::size_t e = 0; e < 3; ++e) {
+        if (topology.neighbours[t][e] >= 0) continue;
+        const Vec3 middle =
+            0.5 * (welded.mesh.vertices_W_m[static_cast<std::size_t>(welded.mesh.triangles[t][e])] +
+                   welded.mesh.vertices_W_m[static_cast<std::size_t>(welded.mesh.triangles[t][(e + 1) % 3])]);
+        const double row = middle.y() / (0.5 * length);
+        const double inside = std::min({row, kRows - row});
+        const bool at_an_end = middle.x() < 1.3 * length || middle.x() > (kRows - 0.3) * length;
+        EXPECT_TRUE(inside < 1e-3 || at_an_end) << middle.transpose();
+      }
+    }
+  }
+}
+
+TEST(MeshRepair, WeldingSaysWhatItCannotDo) {
+  const TriangleMesh open = bricks(2, 0.01, 1e-6);
+  EXPECT_THAT([&] { (void)weld_seams(open, 0.03); }, ::testing::ThrowsMessage<BadData>(::testing::AllOf(
+                                                         HasSubstr("bricks.obj: triangle"), HasSubstr("give less"))));
+  EXPECT_THROW((void)weld_seams(open, 0.0), UsageError);
+  const TriangleMesh closed = ball(0.02, 2);
+  const OrientedMesh same = weld_seams(closed, 1e-5);
+  EXPECT_EQ(same.mesh.triangles, closed.triangles);
+  EXPECT_EQ(same.joined + same.split + same.open_edges, 0U);
+}
+
 }  // namespace
 }  // namespace touchstone::surface

@@ -62,9 +62,13 @@ void ContactMesh::make_facets() {
     }
     facet.inset = facet.inward[1].dot(vertex(facet.corner[1]) - facet.origin);
   });
+  double area = 0.0;
   for (const auto& triangle : mesh_->triangles) {
     for (const std::int32_t corner : triangle) magnitude_ = std::max(magnitude_, vertex(corner).cwiseAbs().maxCoeff());
+    const Vec3& first = vertex(triangle[0]);
+    area += 0.5 * (vertex(triangle[1]) - first).cross(vertex(triangle[2]) - first).norm();
   }
+  mean_area_ = area / static_cast<double>(count);
   in_parallel(count, [&](std::size_t t) {
     Facet& facet = facets_[t];
     for (std::size_t e = 0; e < 3; ++e) {

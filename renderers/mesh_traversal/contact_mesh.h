@@ -88,6 +88,8 @@ class ContactMesh {
   [[nodiscard]] double extent() const noexcept { return extent_; }
   // The largest magnitude of a coordinate: what rounding of positions on the surface is relative to.
   [[nodiscard]] double magnitude() const noexcept { return magnitude_; }
+  // Of a triangle.
+  [[nodiscard]] double mean_area() const noexcept { return mean_area_; }
   // Steps and gaps up to it count as none where bodies meet.
   [[nodiscard]] double flush() const noexcept { return flush_m(magnitude_); }
 
@@ -102,6 +104,7 @@ class ContactMesh {
   std::vector<Facet> facets_;
   double magnitude_ = 0.0;
   double extent_ = 0.0;
+  double mean_area_ = 0.0;
 };
 
 // One ContactMesh per surface, however many renderers run on it at the same time.

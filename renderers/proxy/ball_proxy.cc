@@ -38,7 +38,10 @@ BallProxyOf<Mesh>::BallProxyOf(const Mesh& mesh, const surface::Surface& surface
       probe_walk_(mesh),
       vicinity_(std::in_place, plain_mesh(mesh), radius_m),
       near_(kMost),
-      next_margin_(0.25 * radius_m) {
+      // Of a ball that is larger than one that rests on a level surface by a margin, a cap of 2 pi r margin is below
+      // it.
+      most_margin_(static_cast<double>(kMany / 2) * plain_mesh(mesh).mean_area() / (2.0 * EIGEN_PI * radius_m)),
+      next_margin_(std::min(S(0.25 * radius_m), most_margin_)) {
   candidates_.reserve(kMostProposed);
   half_spaces_.reserve(kMost);
   limiting_.reserve(kMost);
@@ -49,7 +52,7 @@ void BallProxyOf<Mesh>::start(const V& p) noexcept {
   holding_ = {};
   cone_.stick();
   margin_ = -1.0;
-  next_margin_ = 0.25 * r_;
+  next_margin_ = std::min(S(0.25 * r_), most_margin_);
   gathers_ = moves_ = 0;
   c_ = p;
   const ContactMesh& plain = plain_mesh(*mesh_);
@@ -120,6 +123,7 @@ auto BallProxyOf<Mesh>::rounding_at(const V& x) const noexcept -> S {
 template <class Mesh>
 void BallProxyOf<Mesh>::pull(const V& p) noexcept {
   rounding_ = std::max(rounding_at(p), rounding_at(c_));
+  gathered_now_ = false;
   for (int move = 0; move < kMoves; ++move) {
     ++moves_;
     Holding holding = holding_;
@@ -136,10 +140,11 @@ void BallProxyOf<Mesh>::pull(const V& p) noexcept {
 template <class Mesh>
 void BallProxyOf<Mesh>::gather(const V& at, S margin) noexcept {
   ++gathers_;
+  gathered_now_ = true;
   while (!gather_within(at, margin) && margin > rounding_) margin *= 0.25;
   gathered_at_ = at;
   margin_ = margin;
-  next_margin_ = margin * (near_.size() > kMany ? 0.5 : near_.size() < kFew ? 1.5 : 1.0);
+  next_margin_ = std::min(margin * (near_.size() > kMany ? 0.5 : near_.size() < kFew ? 1.5 : 1.0), most_margin_);
 }
 
 // False where there are too many.
@@ -235,8 +240,8 @@ void BallProxyOf<Mesh>::ask_listed(std::span<const std::int32_t> triangles, cons
 }
 
 template <class Mesh>
-auto BallProxyOf<Mesh>::check_face(const V& x, std::int32_t triangle) const noexcept -> std::optional<Check> {
-  if (!vicinity_) return std::nullopt;
+auto BallProxyOf<Mesh>::check_face(const V& x, std::int32_t triangle) noexcept -> std::optional<Check> {
+  if (!vicinity_ || just_gathered(x)) return std::nullopt;
   const BallVicinity::Of known = vicinity_->of(triangle);
   if (known.spread_m < 0.0) return std::nullopt;
   Check result;
@@ -249,9 +254,10 @@ auto BallProxyOf<Mesh>::check_face(const V& x, std::int32_t triangle) const noex
 }
 
 template <class Mesh>
-auto BallProxyOf<Mesh>::check_listed(const V& x, const Holding& held) const noexcept -> std::optional<Check> {
+auto BallProxyOf<Mesh>::check_listed(const V& x, const Holding& held) noexcept -> std::optional<Check> {
   using std::abs;
-  if (!vicinity_ || held.size == 0 || squared_distance<S>(x, c_) > 0.25 * r_ * r_) return std::nullopt;
+  if (!vicinity_ || just_gathered(x) || held.size == 0 || squared_distance<S>(x, c_) > 0.25 * r_ * r_)
+    return std::nullopt;
   for (int i = 0; i < held.size; ++i) {
     const std::int32_t triangle = held.triangle[static_cast<std::size_t>(i)];
     const BallVicinity::Of known = vicinity_->of(triangle);

@@ -12,10 +12,10 @@
 // the way, which is a convex function, is r too; or (c) the move is no longer than r, then every point of the way keeps
 // 0.86 r: two balls of radius r whose centres are u apart cover the ball of radius sqrt(r^2 - u^2/4) about the middle.
 //
-// Which triangles can matter for a ball that touches one of them is known before (ball_vicinity.h). Elsewhere, in the
-// air and at sharp edges, they are gathered from the tree once and used while the centre stays within a margin of where
-// that was, with the half-spaces of (a) as the quick test that one does not matter now. Both give the same places to
-// the bit.
+// Which triangles can matter for a ball that touches one of them is kept by triangle (ball_vicinity.h). Elsewhere, in
+// the air and at sharp edges, they are gathered from the tree once and used while the centre stays within a margin of
+// where that was, with the half-spaces of (a) as the quick test that one does not matter now. Both give the same places
+// to the bit.
 //
 // Closed meshes stop the ball from both sides (it is never inside). Open ones from the front: a triangle does not count
 // while the centre is behind its plane or already closer than r, which is how a ball that came from behind passes.
@@ -137,6 +137,8 @@ class BallProxyOf {
   void gather(const V& at, S margin) noexcept;
   bool gather_within(const V& at, const S& margin) noexcept;
   [[nodiscard]] bool covered(const V& x) const noexcept { return distance<S>(x, gathered_at_) <= margin_; }
+  // Whether what can be met at x was gathered in this step.
+  [[nodiscard]] bool just_gathered(const V& x) const noexcept { return gathered_now_ && covered(x); }
   // Gathers what is near the centre if that is not known.
   void know_near() noexcept {
     if (!(margin_ >= S(0.0)) || !covered(c_)) gather(c_, next_margin_);
@@ -144,8 +146,8 @@ class BallProxyOf {
   Check check(const V& x, const Holding& held) noexcept;
   // By the lists of a triangle that the ball touches at x; none where they do not reach as far. check_face(): for the
   // ball on the triangle's face.
-  std::optional<Check> check_listed(const V& x, const Holding& held) const noexcept;
-  std::optional<Check> check_face(const V& x, std::int32_t triangle) const noexcept;
+  std::optional<Check> check_listed(const V& x, const Holding& held) noexcept;
+  std::optional<Check> check_face(const V& x, std::int32_t triangle) noexcept;
   void ask_listed(std::span<const std::int32_t> triangles, const V& x, const Holding& held, S& least,
                   Check& result) const noexcept;
   [[nodiscard]] bool ignored(std::int32_t triangle) const noexcept;
@@ -176,7 +178,9 @@ class BallProxyOf {
   std::vector<HalfSpaceOf<S>> half_spaces_;  // scratch of constrained_step(), and whose they are
   std::vector<std::int32_t> limiting_;
   V gathered_at_ = V::Zero();
-  S margin_ = S(-1.0);  // of the gathered triangles; < 0: none gathered
+  S margin_ = S(-1.0);         // of the gathered triangles; < 0: none gathered
+  bool gathered_now_ = false;  // in this step: no need to list what is near, too
+  S most_margin_;              // beyond which it would gather many on a level surface
   S next_margin_;
   S rounding_ = S(0.0);  // of distances at the present centre
   std::uint64_t gathers_ = 0;

@@ -1,20 +1,18 @@
 #include "renderers/proxy/ball_vicinity.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 
-#include "harness/base/in_parallel.h"
 #include "renderers/friction/fixed_order.h"
 #include "renderers/proxy/ball_constraints.h"
 
 namespace touchstone::renderers {
 namespace {
 
-// More than a smooth surface has; where there are more, the tree is asked for the ball's neighbourhood.
-constexpr std::size_t kMostListed = 48;
 constexpr std::size_t kMostAround = 2048;
-constexpr std::size_t kAtATime = 512;  // triangles for which one core makes the lists at a time
+// As many triangles as a hand comes to in some seconds on a mesh of a million: 1.7 MB.
+constexpr std::size_t kMostKept = 8192;
 // A ball turns about an edge sharper than that by asking the tree: its list would be long. Of the radius.
 constexpr double kMostSpread = 0.25;
 // What coplanar neighbours and positions solved for are off by, rounding included. Of the radius.
@@ -54,16 +52,58 @@ bool plainly_beyond(const ContactMesh& mesh, const Facet& facet, const std::arra
   return apart > 0.0 && apart * apart >= enough * enough * squared;
 }
 
-struct Lists {
-  std::vector<std::int32_t> on_face;
-  std::vector<std::int32_t> beside;
-};
+// One that shares a corner with another touches all that does.
+bool shares_corner(const Facet& a, const Facet& b) {
+  return std::ranges::any_of(
+      a.corner, [&](std::int32_t corner) { return std::ranges::find(b.corner, corner) != b.corner.end(); });
+}
 
-// The spread for which the lists are complete, < 0 where they are not.
-double list_vicinity(const ContactMesh& mesh, std::int32_t triangle, double radius_m,
-                     std::vector<std::int32_t>& proposed, Lists& lists) {
-  lists.on_face.clear();
-  lists.beside.clear();
+}  // namespace
+
+BallVicinity::BallVicinity(const ContactMesh& mesh, double radius_m)
+    : mesh_(&mesh),
+      radius_m_(radius_m),
+      entries_(std::min(mesh.triangle_count(), kMostKept)),
+      places_(mesh.triangle_count(), 0) {
+  proposed_.reserve(kMostAround);
+}
+
+void BallVicinity::list(std::int32_t triangle, Entry& entry) noexcept {
+  entry.triangle = triangle;
+  entry.on_face = entry.all = 0;
+  const double spread = list_within_reach(triangle, entry);
+  if (spread >= 0.0) {
+    entry.spread_m = std::nextafter(static_cast<float>(spread), 0.0F);  // never rounded up
+  } else {
+    entry.spread_m = -1.0F;
+    entry.on_face = entry.all = 0;
+  }
+}
+
+bool BallVicinity::propose(std::int32_t triangle, const std::array<Vec3, 3>& x, const Vec3& middle, double reach,
+                           double most) noexcept {
+  proposed_.clear();
+  // Those with a corner closer than `most` to a corner of P are listed whatever the bounds say: where they are too many
+  // already, and on a fine mesh they are on most triangles, no bound need be known.
+  const double surely = most * most * (2.0 - kReach);
+  std::size_t listed = 0;
+  bool complete = true;
+  mesh_->tree().within(middle, reach, [&](std::int32_t t) {
+    if (!complete || t == triangle) return complete ? reach : 0.0;
+    const Facet& other = mesh_->facet(t);
+    if (is_zero(other.n)) return reach;
+    complete = proposed_.size() < kMostAround;
+    if (complete) proposed_.push_back(t);
+    const Vec3& corner_of_t = mesh_->vertex(other.corner[0]);
+    const bool near = std::ranges::any_of(x, [&](const Vec3& at) { return squared_norm(at - corner_of_t) < surely; });
+    if (near) complete = complete && ++listed <= kMostListed;
+    return complete ? reach : 0.0;
+  });
+  return complete;
+}
+
+double BallVicinity::list_within_reach(std::int32_t triangle, Entry& entry) noexcept {
+  const ContactMesh& mesh = *mesh_;
   const Facet& facet = mesh.facet(triangle);
   if (is_zero(facet.n)) return -1.0;
   // How far about its edges and corners the ball turns.
@@ -71,118 +111,42 @@ double list_vicinity(const ContactMesh& mesh, std::int32_t triangle, double radi
   for (const std::int32_t corner : facet.corner) {
     for (const std::int32_t t : mesh.fan(corner)) turn = std::max(turn, (mesh.facet(t).n - facet.n).norm());
   }
-  const double spread = std::max(kLeastSpread, turn > kMostSpread ? 0.0 : 1.01 * turn) * radius_m;
-  const double least = radius_m - kRounded * mesh.magnitude();
-  const double most = radius_m + spread;
+  const double spread = std::max(kLeastSpread, turn > kMostSpread ? 0.0 : 1.01 * turn) * radius_m_;
+  const double least = radius_m_ - kRounded * mesh.magnitude();
+  const double most = radius_m_ + spread;
 
   const std::array<Vec3, 3> corner = mesh.corners(triangle);
   std::array<Vec3, 3> x;
-  for (std::size_t i = 0; i < 3; ++i) x[i] = corner[i] + radius_m * facet.n;
+  for (std::size_t i = 0; i < 3; ++i) x[i] = corner[i] + radius_m_ * facet.n;
   const Vec3 middle = (x[0] + x[1] + x[2]) / 3.0;
   double extent = 0.0;
   for (const Vec3& place : x) extent = std::max(extent, (place - middle).norm());
-  const double reach = (most + extent) * kReach;
-  proposed.clear();
-  // Those with a corner closer than `most` to a corner of P are listed whatever the bounds say: where they are too many
-  // already, and on a fine mesh they are on most triangles, no bound need be known.
-  const double surely = most * most * (2.0 - kReach);
-  std::size_t listed = 0;
-  bool complete = true;
-  mesh.tree().within(middle, reach, [&](std::int32_t t) {
-    if (!complete || t == triangle) return complete ? reach : 0.0;
-    complete = proposed.size() < kMostAround;
-    proposed.push_back(t);
+  if (!propose(triangle, x, middle, (most + extent) * kReach, most)) return -1.0;
+  std::array<std::int32_t, kMostListed> beside;
+  std::size_t beside_count = 0;
+  for (const std::int32_t t : proposed_) {
     const Facet& other = mesh.facet(t);
-    const Vec3& corner_of_t = mesh.vertex(other.corner[0]);
-    const bool near = std::ranges::any_of(x, [&](const Vec3& at) { return squared_norm(at - corner_of_t) < surely; });
-    if (near && !is_zero(other.n)) complete = complete && ++listed <= kMostListed;
-    return complete ? reach : 0.0;
-  });
-  if (!complete) return -1.0;
-  for (const std::int32_t t : proposed) {
-    const Facet& other = mesh.facet(t);
-    if (is_zero(other.n)) continue;
     // All of it is below a plane that is as far from P as the ball's radius, for most.
     double height = -std::numeric_limits<double>::infinity();
     for (const std::int32_t v : other.corner) height = std::max(height, facet.height(mesh.vertex(v)));
     if (height < -spread || plainly_beyond(mesh, other, x, middle, most)) continue;
-    const double bound = std::max(radius_m - height, distance_bound(mesh, t, x, middle, most));
+    // What lies that low cannot be met on the face, and what has a corner of the triangle can beside it.
+    double bound = radius_m_ - height;
+    if (bound < least || !shares_corner(facet, other))
+      bound = std::max(bound, distance_bound(mesh, t, x, middle, most));
     if (bound >= most) continue;
-    (bound < least ? lists.on_face : lists.beside).push_back(t);
-    if (lists.on_face.size() + lists.beside.size() > kMostListed) return -1.0;
+    if (entry.on_face + beside_count == kMostListed) return -1.0;
+    if (bound < least) {
+      entry.listed[entry.on_face++] = t;
+    } else {
+      beside[beside_count++] = t;
+    }
   }
-  std::sort(lists.on_face.begin(), lists.on_face.end());
-  std::sort(lists.beside.begin(), lists.beside.end());
+  std::copy_n(beside.begin(), beside_count, entry.listed.begin() + entry.on_face);
+  entry.all = static_cast<std::uint16_t>(entry.on_face + beside_count);
+  std::sort(entry.listed.begin(), entry.listed.begin() + entry.on_face);
+  std::sort(entry.listed.begin() + entry.on_face, entry.listed.begin() + entry.all);
   return spread;
-}
-
-}  // namespace
-
-thread_local bool BallVicinity::OnDemand::wanted_ = false;
-
-BallVicinity::BallVicinity(const ContactMesh& mesh, double radius_m)
-    : entries_(mesh.triangle_count()), radius_m_(radius_m) {
-  if (OnDemand::wanted_) {
-    on_demand_ = &mesh;
-    listed_already_.assign(entries_.size(), 0);
-  } else {
-    list_all(mesh, radius_m);
-  }
-}
-
-void BallVicinity::list_now(std::int32_t triangle) const noexcept {
-  std::vector<std::int32_t> proposed;
-  Lists lists;
-  listed_already_[static_cast<std::size_t>(triangle)] = 1;
-  const double spread = list_vicinity(*on_demand_, triangle, radius_m_, proposed, lists);
-  if (!(spread >= 0.0)) return;
-  Entry& entry = entries_[static_cast<std::size_t>(triangle)];
-  entry.spread_m = std::nextafter(static_cast<float>(spread), 0.0F);  // never rounded up
-  entry.first = static_cast<std::uint32_t>(listed_.size());
-  entry.on_face = static_cast<std::uint16_t>(lists.on_face.size());
-  entry.all = static_cast<std::uint16_t>(lists.on_face.size() + lists.beside.size());
-  listed_.insert(listed_.end(), lists.on_face.begin(), lists.on_face.end());
-  listed_.insert(listed_.end(), lists.beside.begin(), lists.beside.end());
-}
-
-void BallVicinity::list_all(const ContactMesh& mesh, double radius_m) {
-  const std::size_t pieces = (entries_.size() + kAtATime - 1) / kAtATime;
-  std::vector<std::vector<std::int32_t>> listed(pieces);
-  in_parallel(
-      pieces,
-      [&](std::size_t piece) {
-        std::vector<std::int32_t> proposed;
-        Lists lists;
-        const std::size_t end = std::min(entries_.size(), (piece + 1) * kAtATime);
-        for (std::size_t t = piece * kAtATime; t < end; ++t) {
-          Entry& entry = entries_[t];
-          const double spread = list_vicinity(mesh, static_cast<std::int32_t>(t), radius_m, proposed, lists);
-          if (!(spread >= 0.0)) continue;
-          // Never rounded up.
-          entry.spread_m = std::nextafter(static_cast<float>(spread), 0.0F);
-          entry.first = static_cast<std::uint32_t>(listed[piece].size());
-          entry.on_face = static_cast<std::uint16_t>(lists.on_face.size());
-          entry.all = static_cast<std::uint16_t>(lists.on_face.size() + lists.beside.size());
-          listed[piece].insert(listed[piece].end(), lists.on_face.begin(), lists.on_face.end());
-          listed[piece].insert(listed[piece].end(), lists.beside.begin(), lists.beside.end());
-        }
-      },
-      1);
-  std::size_t count = 0;
-  for (const auto& part : listed) count += part.size();
-  // Places in the list have 32 bits.
-  if (count > std::numeric_limits<std::uint32_t>::max()) {
-    entries_.assign(entries_.size(), Entry{});
-    return;
-  }
-  listed_.reserve(count);
-  for (std::size_t piece = 0; piece < pieces; ++piece) {
-    const auto before = static_cast<std::uint32_t>(listed_.size());
-    const std::size_t end = std::min(entries_.size(), (piece + 1) * kAtATime);
-    for (std::size_t t = piece * kAtATime; t < end; ++t) entries_[t].first += before;
-    listed_.insert(listed_.end(), listed[piece].begin(), listed[piece].end());
-    listed[piece] = {};
-  }
 }
 
 }  // namespace touchstone::renderers

@@ -1,5 +1,6 @@
-// Which triangles a ball can meet while it rolls over a given one: found once for a mesh and a radius, so that a step
-// over a smooth surface asks a handful of triangles, however fine the mesh is.
+// Which triangles a ball can meet while it rolls over a given one: found when the ball first comes onto it and kept, so
+// that a step over a smooth surface asks a handful of triangles, however fine the mesh is, and nothing is found for the
+// many triangles of a fine mesh that no ball comes to.
 //
 // A ball of radius r that rests on the face of triangle T has its centre in P, which is T moved by r along its normal.
 // Only triangles that come closer to P than r can push it off T. All others are out of the question for every place on
@@ -13,8 +14,8 @@
 // with the ball's radius in it.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -30,52 +31,52 @@ class BallVicinity {
     double spread_m = -1.0;                 // < 0: neither is complete
   };
 
-  // While it lives, vicinities made on its thread list each triangle when it is asked about first, and not all of them
-  // when they are made: for a renderer that goes over one recording and is gone, of which a search for missing effects
-  // makes thousands, each of another radius or place. The lists are the same. Asking then takes memory from the heap:
-  // not for a servo loop. `mesh` must outlive such a vicinity, which is one thread's.
-  class OnDemand {
-   public:
-    OnDemand() noexcept : before_(wanted_) { wanted_ = true; }
-    ~OnDemand() { wanted_ = before_; }
-    OnDemand(const OnDemand&) = delete;
-    OnDemand& operator=(const OnDemand&) = delete;
-
-   private:
-    friend class BallVicinity;
-    bool before_;
-    static thread_local bool wanted_;
-  };
-
-  // The tree of `mesh` is asked once for each triangle, on all cores.
+  // `mesh` must outlive this, which is one thread's.
   BallVicinity(const ContactMesh& mesh, double radius_m);
 
-  // Either list in the order of its indices, without the triangle itself.
-  [[nodiscard]] Of of(std::int32_t triangle) const noexcept {
-    if (on_demand_ != nullptr && listed_already_[static_cast<std::size_t>(triangle)] == 0) list_now(triangle);
-    const Entry& entry = entries_[static_cast<std::size_t>(triangle)];
-    const std::span all(listed_.data() + entry.first, static_cast<std::size_t>(entry.all));
+  // Either list in the order of its indices, without the triangle itself; they stand until the next call. Takes no
+  // memory from the heap. Asks the tree where the triangle was not asked about before, or so many others were since
+  // that it has lost its place.
+  [[nodiscard]] Of of(std::int32_t triangle) noexcept {
+    std::uint16_t& place = places_[static_cast<std::size_t>(triangle)];
+    if (entries_[place].triangle != triangle) {
+      place = next_;
+      next_ = static_cast<std::uint16_t>((next_ + 1U) % entries_.size());
+      list(triangle, entries_[place]);
+    }
+    const Entry& entry = entries_[place];
+    const std::span<const std::int32_t> all(entry.listed.data(), entry.all);
     return {all.first(entry.on_face), all.subspan(entry.on_face), static_cast<double>(entry.spread_m)};
   }
   [[nodiscard]] std::size_t memory_bytes() const noexcept {
-    return entries_.capacity() * sizeof(Entry) + listed_.capacity() * sizeof(std::int32_t);
+    return entries_.capacity() * sizeof(Entry) + places_.capacity() * sizeof(std::uint16_t) +
+           proposed_.capacity() * sizeof(std::int32_t);
   }
 
  private:
+  // More than a smooth surface has; where there are more, the tree is asked for the ball's neighbourhood.
+  static constexpr std::size_t kMostListed = 48;
   struct Entry {
-    std::uint32_t first = 0;
+    std::int32_t triangle = -1;
     float spread_m = -1.0F;
     std::uint16_t on_face = 0;
     std::uint16_t all = 0;
+    std::array<std::int32_t, kMostListed> listed{};
   };
-  void list_all(const ContactMesh& mesh, double radius_m);
-  void list_now(std::int32_t triangle) const noexcept;
+  void list(std::int32_t triangle, Entry& entry) noexcept;
+  // The spread for which what is listed is complete, < 0 where it is not.
+  double list_within_reach(std::int32_t triangle, Entry& entry) noexcept;
+  // All that may come within `reach` of `middle`; false where they are more than may be listed for sure. `x` are the
+  // corners of P, `most` is how close what is listed comes to it.
+  bool propose(std::int32_t triangle, const std::array<Vec3, 3>& x, const Vec3& middle, double reach,
+               double most) noexcept;
 
-  mutable std::vector<Entry> entries_;
-  mutable std::vector<std::int32_t> listed_;
-  const ContactMesh* on_demand_ = nullptr;
-  double radius_m_ = 0.0;
-  mutable std::vector<std::uint8_t> listed_already_;  // by triangle, on demand alone
+  const ContactMesh* mesh_;
+  double radius_m_;
+  std::vector<Entry> entries_;
+  std::vector<std::uint16_t> places_;  // by triangle: which entry is its own, if that says so, too
+  std::uint16_t next_ = 0;             // to be given away: the oldest
+  std::vector<std::int32_t> proposed_;
 };
 
 }  // namespace touchstone::renderers

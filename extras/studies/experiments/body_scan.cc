@@ -10,7 +10,6 @@
 #include "harness/rendering/replay.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
-#include "renderers/proxy/ball_vicinity.h"
 #include "synthetic/datasets/recipe.h"
 #include "synthetic/surface_catalogue.h"
 
@@ -71,8 +70,6 @@ Recording measured_again(const Recording& recording, const synthetic::ForceSenso
 
 ForceError force_error(const BodyScan& scan, const Model& model, const std::shared_ptr<const surface::Surface>& surface,
                        Against against, std::size_t from, std::size_t to) {
-  // Each model goes over one scan and is gone: the ball's neighbours are listed where it comes.
-  const renderers::BallVicinity::OnDemand neighbours;
   const auto renderer = renderers::make_renderer(model, surface);
   const recording::RenderedTrajectory rendered = replay(*renderer, scan.in);
   ForceError error;
