@@ -6,7 +6,7 @@
 // one, and since the model with it taken off predicts worse from noisy positions: its size widens the interval to both
 // sides (JCGM 100:2008, Guide to the expression of uncertainty in measurement, F.2.4.5), and further to the side that
 // the truth is on where noise weakens a value by a share of itself (attenuation: Fuller 1987, equation 1.1.7). Where
-// the model leaves more than simulations do, the fit's own covariance, by runs of blocks, is wider and counts instead.
+// the model leaves more than simulations do, the fit's own covariance is wider and counts instead (stats/sandwich.h).
 #pragma once
 
 #include <functional>
@@ -22,6 +22,9 @@ struct NullFit {
   std::size_t world = 0;
   rendering::Model model;
 };
+
+// Fewer say nothing of how far fits scatter.
+inline constexpr std::size_t fewest_draws = 3;
 
 // Sets in the model what is not fitted but read from the forces alone, as far off as it may be: another draw for every
 // world.
