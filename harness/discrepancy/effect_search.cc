@@ -152,6 +152,7 @@ class Search {
   [[nodiscard]] bool in_time() const { return state_.budget->allows("effects that noise hides, and pairs of effects"); }
 
   [[nodiscard]] bool clearly_missing() const {
+    if (!state_.budget->allows("more than one effect at once")) return false;
     const Goodness goodness = judge_goodness(data_.train, data_.validation, state_.current.model, data_.window_s);
     return goodness.chi_squared >= goodness.threshold;
   }
@@ -346,6 +347,7 @@ class Search {
   void settle_cone() {
     for (const NamedParameters& entry : state_.current.model.effects) {
       if (!state_.library().traits(entry.name).velocity_weakening) continue;
+      if (!state_.budget->allows("friction read from the forces alone")) return;
       const Model others = without_entry(state_.current.model, entry.name);
       const FitData blocks = fit_data(data_.learning, state_.current.model, data_.window_s);
       const auto samples = cone_samples(cone_evidence(blocks, *data_.learning.noise, others, data_.force_floor_N),
@@ -354,6 +356,7 @@ class Search {
       const auto read = read_falling(samples);
       if (!cone || !read) return;
       for (std::size_t draw = 0; draw < NoiseModel::null_simulations; ++draw) {
+        if (!state_.budget->allows("friction read from the forces alone")) return;
         Model as_read = state_.current.model;
         if (const auto again = read_again(samples, draw)) set_falling(as_read, entry.name, *again);
         result_.readings.push_back({draw, std::move(as_read)});
@@ -423,6 +426,8 @@ class Search {
     // covariance.
     result_.draws = bootstrap_fits(data_.learning, weights, result_.fit, without_coefficients(result_.parameters),
                                    settings_.iterations / 2, read_);
+    result_.intervals_cut_short =
+        result_.draws.size() < fewest_draws && !state_.budget->allows("simulated recordings for the intervals");
   }
 
   // A bump or a wave that by the interval to be written may be the mesh's declared error is not found. The gate of its
@@ -450,6 +455,7 @@ class Search {
                   [&](const FoundEffect& effect) { return find_entry(result_.start, effect.name) != nullptr; });
     settle_waves(state_.current.model, state_.library());
     settle_cone();
+    state_.budget->turn_to_values();
     do {
       settle_values();
     } while (drop_what_may_be_mesh());

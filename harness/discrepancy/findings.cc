@@ -61,9 +61,11 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
       interval.high = std::max(interval.high, as_read->parameters.at(declared.name));
     }
     FoundParameter parameter{declared.name, declared.unit, value->second, interval.low, interval.high, false, ""};
+    if (search.intervals_cut_short) parameter.undetermined = "no time was left for its interval";
     for (const Undetermined& one : search.undetermined) {
-      if (one.effect != candidate.name || one.parameter != declared.name) continue;
-      parameter.undetermined = one.why;
+      if (one.effect == candidate.name && one.parameter == declared.name) parameter.undetermined = one.why;
+    }
+    if (!parameter.undetermined.empty()) {
       parameter.low95 = -std::numeric_limits<double>::infinity();
       parameter.high95 = std::numeric_limits<double>::infinity();
     }

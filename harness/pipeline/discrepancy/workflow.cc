@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -233,6 +234,8 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
 
 DiscrepancyAnswer run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& files,
                                   const std::function<void(const std::string&)>& report) {
+  discrepancy::SearchSettings settings;
+  settings.time_limit_s = files.time_limit_s;
   const DiscrepancyInputs inputs = load_inputs(catalogue, files);
   ensure_writable_folder(files.out);  // after the input, which may be bad; before the long work
   for (const std::string& remark : inputs.remarks) report(remark);
@@ -279,8 +282,11 @@ DiscrepancyAnswer run_discrepancy(const Catalogue& catalogue, const DiscrepancyF
   data.geometry_error_m = instrument.geometry_error_m;
 
   Findings findings;
-  discrepancy::SearchSettings settings;
-  settings.time_limit_s = files.time_limit_s;
+  // The answer reads all files a second time, in a process of its own, and is judged in as many simulated motions as
+  // were just prepared, under two or three models.
+  constexpr double answers_over_reading = 1.5;
+  settings.checks_s =
+      answers_over_reading * std::chrono::duration<double>(std::chrono::steady_clock::now() - settings.begun).count();
   findings.search = search_effects(data, model, candidates, settings, report);
   const auto samples_predictor = count > 1 ? make(holdout.motion) : nullptr;
   Evidence samples = data.holdout;
