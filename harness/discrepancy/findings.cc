@@ -50,10 +50,11 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
   if (is_field(candidate.parameters)) return field_summary(search, candidate);
   std::vector<FoundParameter> found;
   const NamedParameters* const entry = find_entry(search.model, candidate.name);
+  const double excess = excess_over(search.draws, search.fit);
   for (const rendering::ParameterDeclaration& declared : candidate.parameters) {
     const auto value = entry->parameters.find(declared.name);
     if (value == entry->parameters.end()) continue;
-    Interval interval = interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name);
+    Interval interval = interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name, excess);
     for (const NullFit& reading : search.readings) {
       const NamedParameters* const as_read = find_entry(reading.model, candidate.name);
       if (as_read == nullptr || !is_of_falling(declared.name)) continue;

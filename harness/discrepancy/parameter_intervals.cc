@@ -69,7 +69,7 @@ std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, 
     JointFit refitted = nearby.usable() ? nearby.fit(again.measured_N, from, iterations)
                                         : fit_jointly(again, from, parameters, iterations, false);
     // One that ended with the time has not come as far as it would.
-    if (refitted.ok && !time_is_up(data)) fits[world] = NullFit{world, std::move(refitted.model)};
+    if (refitted.ok && !time_is_up(data)) fits[world] = NullFit{world, std::move(refitted.model), refitted.chi_squared};
   };
   in_parallel(fits.size(), in_world, 1);
   std::vector<NullFit> usable;
@@ -79,8 +79,15 @@ std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, 
   return usable;
 }
 
+double excess_over(const std::vector<NullFit>& draws, const JointFit& fit) {
+  double mean = 0.0;
+  for (const NullFit& draw : draws) mean += draw.chi_squared / static_cast<double>(draws.size());
+  return mean > 0.0 ? std::max(1.0, fit.chi_squared / mean) : 1.0;
+}
+
 Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
-                    const std::vector<NullFit>& draws, const std::string& effect, const std::string& name) {
+                    const std::vector<NullFit>& draws, const std::string& effect, const std::string& name,
+                    double excess) {
   const auto free = std::find_if(parameters.begin(), parameters.end(),
                                  [&](const FreeParameter& p) { return p.owner == effect && p.name == name; });
   const double value = find_entry(fit.model, effect)->parameters.at(name);
@@ -102,9 +109,10 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
       const double off = scale.to(find_entry(draw.model, effect)->parameters.at(name)) - here - bias;
       squares += off * off;
     }
+    bias *= excess;
     quantile = stats::student_t_975(n - 1.0);
     // The mean of a few simulated recordings is itself uncertain.
-    variance = std::max(variance, squares / (n - 1.0)) * (1.0 + 1.0 / n);
+    variance = std::max(variance, excess * squares / (n - 1.0)) * (1.0 + 1.0 / n);
   }
   const double half = quantile * std::sqrt(variance);
   const double back = bias_of_truth(here, bias, scale);
