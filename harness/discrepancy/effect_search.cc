@@ -89,7 +89,8 @@ class Search {
     }
     if (!more) more = keep_field(fields, step);
     // What is left of an object that differs everywhere is seldom two effects of a few parameters.
-    const bool pairs = room && !has_field(model) && clearly_missing() && in_time();
+    const bool pairs = room && !has_field(model) && clearly_missing() &&
+                       state_.budget->allows("effects that noise hides, and pairs of effects");
     if (!more && pairs) more = add_where_noise_hides(baseline, step);
     std::move(fields.begin(), fields.end(), std::back_inserter(step.trials));
     result_.steps.push_back(std::move(step));
@@ -137,20 +138,6 @@ class Search {
     return passed != fields.end() && keep(*passed, step);
   }
 
-  // Than every effect with a few parameters that may yet pass.
-  static bool field_is_better(const std::vector<Trial>& fields, const std::vector<Trial>& trials) {
-    const auto least = [](const std::vector<Trial>& of) {
-      double deviance = std::numeric_limits<double>::infinity();
-      for (const Trial& trial : of) {
-        if (trial.verdict.passed()) deviance = std::min(deviance, trial.deviance);
-      }
-      return deviance;
-    };
-    return least(fields) < least(trials);
-  }
-
-  [[nodiscard]] bool in_time() const { return state_.budget->allows("effects that noise hides, and pairs of effects"); }
-
   [[nodiscard]] bool clearly_missing() const {
     if (!state_.budget->allows("more than one effect at once")) return false;
     const Goodness goodness = judge_goodness(data_.train, data_.validation, state_.current.model, data_.window_s);
@@ -173,7 +160,9 @@ class Search {
     }
   }
 
-  // The best of what passed; a special case that does as well is preferred to what contains it. nullptr: none passed.
+  // The best of what passed; a special case that does as well is preferred to what contains it, also one that was
+  // refused for the noise of the positions: what contains it takes that noise the same way and passed. nullptr: none
+  // passed.
   Trial* preferred(SearchStep& step) const {
     const auto best =
         std::find_if(step.trials.begin(), step.trials.end(), [](const Trial& t) { return t.verdict.passed(); });
@@ -182,7 +171,8 @@ class Search {
       const bool as_good =
           best->validation_gain - trial.validation_gain < settings_.alike_gain * 0.1 * best->validation_gain + 10.0 ||
           trial.validation_rms_N < best->validation_rms_N;
-      if (trial.verdict.passed() && state_.library().contains(best->name, trial.name) && as_good) {
+      const bool may_stand = trial.verdict.passed() || trial.verdict.kind == TrialVerdict::Kind::noisy_positions_alone;
+      if (may_stand && state_.library().contains(best->name, trial.name) && as_good) {
         best->verdict = "no better than " + trial.name + ", which it contains";
         return &trial;
       }
