@@ -165,6 +165,35 @@ TEST(Intervals, ReachTheTruthBeyondAWeakenedValueOfEitherSign) {
   }
 }
 
+// Nine draws about a mean that is off by 0.3, in a world whose fits leave a quarter of what the fit leaves: the noise
+// is twice the declared one, bias four times and spread twice what the draws show. A fit that leaves less narrows
+// nothing.
+TEST(Intervals, GrowWithWhatTheModelLeavesBeyondTheSimulations) {
+  constexpr double value = 20.0, bias = 0.3, half_of_nine = 2.306;  // Student's, 8 degrees of freedom
+  JointFit fit;
+  fit.ok = true;
+  fit.model.instrument.push_back({"force-bias", {{"fx_N", value}}, ""});
+  const std::vector<FreeParameter> parameters{linear_parameter("force-bias", "fx_N", 1.0, -100.0, 100.0)};
+  std::vector<NullFit> draws;
+  double squares = 0.0;
+  for (int world = 0; world < 9; ++world) {
+    const double off = 0.1 * (world - 4);
+    squares += off * off;
+    Model drawn = fit.model;
+    drawn.instrument.front().parameters["fx_N"] = value + bias + off;
+    draws.push_back({static_cast<std::size_t>(world), drawn, 100.0});
+  }
+  const double deviation = std::sqrt(squares / 8.0 * (1.0 + 1.0 / 9.0));
+  for (const auto& [left, excess] : {std::pair(400.0, 4.0), std::pair(100.0, 1.0), std::pair(50.0, 1.0)}) {
+    fit.chi_squared = left;
+    EXPECT_NEAR(excess_over(draws, fit), excess, 1e-12);
+    const Interval interval = interval95(fit, parameters, draws, "force-bias", "fx_N", excess_over(draws, fit));
+    const double reach = half_of_nine * std::sqrt(excess) * deviation + excess * bias;
+    EXPECT_NEAR(interval.low, value - reach, 1e-3);
+    EXPECT_NEAR(interval.high, value + reach, 1e-3);
+  }
+}
+
 // Thirty-two runs of eight blocks.
 std::pair<std::vector<double>, std::vector<double>> runs_that_gain(const std::vector<double>& gains) {
   std::vector<double> before;
