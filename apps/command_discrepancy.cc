@@ -124,9 +124,9 @@ void add_discrepancy(CLI::App& program, Run& run) {
   options->files.time_limit_s = default_time_limit_s;
   command
       ->add_option("--time-limit", options->files.time_limit_s,
-                   "after so long nothing new is tried, and the best answer so far is given with what was not tried; "
-                   "what was begun, the intervals and the checks of the answer come on top; inf: none, the same answer "
-                   "on every machine [s]")
+                   "for the whole answer: the search ends as much earlier as values, checks and report need, and the "
+                   "best answer so far is given with what was not tried; inf: none, the same answer on every machine "
+                   "[s]")
       ->check([](const std::string& given) {
         double seconds = 0.0;
         const bool number = CLI::detail::lexical_cast(given, seconds);

@@ -89,7 +89,8 @@ class Search {
     }
     if (!more) more = keep_field(fields, step);
     // What is left of an object that differs everywhere is seldom two effects of a few parameters.
-    const bool pairs = room && !has_field(model) && clearly_missing() && in_time();
+    const bool pairs = room && !has_field(model) && clearly_missing() &&
+                       state_.budget->allows("effects that noise hides, and pairs of effects");
     if (!more && pairs) more = add_where_noise_hides(baseline, step);
     std::move(fields.begin(), fields.end(), std::back_inserter(step.trials));
     result_.steps.push_back(std::move(step));
@@ -137,21 +138,8 @@ class Search {
     return passed != fields.end() && keep(*passed, step);
   }
 
-  // Than every effect with a few parameters that may yet pass.
-  static bool field_is_better(const std::vector<Trial>& fields, const std::vector<Trial>& trials) {
-    const auto least = [](const std::vector<Trial>& of) {
-      double deviance = std::numeric_limits<double>::infinity();
-      for (const Trial& trial : of) {
-        if (trial.verdict.passed()) deviance = std::min(deviance, trial.deviance);
-      }
-      return deviance;
-    };
-    return least(fields) < least(trials);
-  }
-
-  [[nodiscard]] bool in_time() const { return state_.budget->allows("effects that noise hides, and pairs of effects"); }
-
   [[nodiscard]] bool clearly_missing() const {
+    if (!state_.budget->allows("more than one effect at once")) return false;
     const Goodness goodness = judge_goodness(data_.train, data_.validation, state_.current.model, data_.window_s);
     return goodness.chi_squared >= goodness.threshold;
   }
@@ -172,7 +160,9 @@ class Search {
     }
   }
 
-  // The best of what passed; a special case that does as well is preferred to what contains it. nullptr: none passed.
+  // The best of what passed; a special case that does as well is preferred to what contains it, also one that was
+  // refused for the noise of the positions: what contains it takes that noise the same way and passed. nullptr: none
+  // passed.
   Trial* preferred(SearchStep& step) const {
     const auto best =
         std::find_if(step.trials.begin(), step.trials.end(), [](const Trial& t) { return t.verdict.passed(); });
@@ -181,7 +171,8 @@ class Search {
       const bool as_good =
           best->validation_gain - trial.validation_gain < settings_.alike_gain * 0.1 * best->validation_gain + 10.0 ||
           trial.validation_rms_N < best->validation_rms_N;
-      if (trial.verdict.passed() && state_.library().contains(best->name, trial.name) && as_good) {
+      const bool may_stand = trial.verdict.passed() || trial.verdict.kind == TrialVerdict::Kind::noisy_positions_alone;
+      if (may_stand && state_.library().contains(best->name, trial.name) && as_good) {
         best->verdict = "no better than " + trial.name + ", which it contains";
         return &trial;
       }
@@ -346,6 +337,7 @@ class Search {
   void settle_cone() {
     for (const NamedParameters& entry : state_.current.model.effects) {
       if (!state_.library().traits(entry.name).velocity_weakening) continue;
+      if (!state_.budget->allows("friction read from the forces alone")) return;
       const Model others = without_entry(state_.current.model, entry.name);
       const FitData blocks = fit_data(data_.learning, state_.current.model, data_.window_s);
       const auto samples = cone_samples(cone_evidence(blocks, *data_.learning.noise, others, data_.force_floor_N),
@@ -354,6 +346,7 @@ class Search {
       const auto read = read_falling(samples);
       if (!cone || !read) return;
       for (std::size_t draw = 0; draw < NoiseModel::null_simulations; ++draw) {
+        if (!state_.budget->allows("friction read from the forces alone")) return;
         Model as_read = state_.current.model;
         if (const auto again = read_again(samples, draw)) set_falling(as_read, entry.name, *again);
         result_.readings.push_back({draw, std::move(as_read)});
@@ -423,6 +416,8 @@ class Search {
     // covariance.
     result_.draws = bootstrap_fits(data_.learning, weights, result_.fit, without_coefficients(result_.parameters),
                                    settings_.iterations / 2, read_);
+    result_.intervals_cut_short =
+        result_.draws.size() < fewest_draws && !state_.budget->allows("simulated recordings for the intervals");
   }
 
   // A bump or a wave that by the interval to be written may be the mesh's declared error is not found. The gate of its
@@ -450,6 +445,7 @@ class Search {
                   [&](const FoundEffect& effect) { return find_entry(result_.start, effect.name) != nullptr; });
     settle_waves(state_.current.model, state_.library());
     settle_cone();
+    state_.budget->turn_to_values();
     do {
       settle_values();
     } while (drop_what_may_be_mesh());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -116,6 +117,17 @@ std::vector<Trial> try_fields(const SearchState& state, const BaselineScore& bas
     trials.push_back(std::move(one.trial));
   }
   return trials;
+}
+
+bool field_is_better(const std::vector<Trial>& fields, const std::vector<Trial>& trials) {
+  const auto least = [](const std::vector<Trial>& of) {
+    double deviance = std::numeric_limits<double>::infinity();
+    for (const Trial& trial : of) {
+      if (trial.verdict.passed()) deviance = std::min(deviance, trial.deviance);
+    }
+    return deviance;
+  };
+  return least(fields) < least(trials);
 }
 
 }  // namespace touchstone::discrepancy

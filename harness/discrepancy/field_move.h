@@ -17,4 +17,7 @@ bool differs_over_surface(const rendering::Model& model, const EffectLibrary& li
 // passes. Empty if the candidates have no field.
 std::vector<Trial> try_fields(const SearchState& state, const BaselineScore& baseline);
 
+// Whether a field that passed has less deviance than every effect with a few parameters that may yet pass.
+bool field_is_better(const std::vector<Trial>& fields, const std::vector<Trial>& trials);
+
 }  // namespace touchstone::discrepancy

@@ -50,10 +50,11 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
   if (is_field(candidate.parameters)) return field_summary(search, candidate);
   std::vector<FoundParameter> found;
   const NamedParameters* const entry = find_entry(search.model, candidate.name);
+  const double excess = excess_over(search.draws, search.fit);
   for (const rendering::ParameterDeclaration& declared : candidate.parameters) {
     const auto value = entry->parameters.find(declared.name);
     if (value == entry->parameters.end()) continue;
-    Interval interval = interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name);
+    Interval interval = interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name, excess);
     for (const NullFit& reading : search.readings) {
       const NamedParameters* const as_read = find_entry(reading.model, candidate.name);
       if (as_read == nullptr || !is_of_falling(declared.name)) continue;
@@ -61,9 +62,11 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
       interval.high = std::max(interval.high, as_read->parameters.at(declared.name));
     }
     FoundParameter parameter{declared.name, declared.unit, value->second, interval.low, interval.high, false, ""};
+    if (search.intervals_cut_short) parameter.undetermined = "no time was left for its interval";
     for (const Undetermined& one : search.undetermined) {
-      if (one.effect != candidate.name || one.parameter != declared.name) continue;
-      parameter.undetermined = one.why;
+      if (one.effect == candidate.name && one.parameter == declared.name) parameter.undetermined = one.why;
+    }
+    if (!parameter.undetermined.empty()) {
       parameter.low95 = -std::numeric_limits<double>::infinity();
       parameter.high95 = std::numeric_limits<double>::infinity();
     }

@@ -2,7 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cmath>
+
 #include "harness/discrepancy/findings.h"
+#include "harness/discrepancy/time_budget.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -70,6 +74,43 @@ TEST(FindingsOfLimitedTime, NameFewOfManyTrials) {
   EXPECT_THAT(many.explanation,
               HasSubstr("not tried: a, b, c, d and 90 more (time_limit.not_tried in findings.json)."));
   EXPECT_THAT(many.explanation, Not(HasSubstr("trial")));
+}
+
+// A limit counts from when the files were read; what the answer needs is kept back, of it the values' part until the
+// search is over.
+TEST(TimeBudget, KeepsBackWhatTheAnswerNeeds) {
+  constexpr double limit_s = 1e7, checks_s = 1e6;
+  const auto allowed = [](double taken_s, bool values) {
+    const auto begin = TimeBudget::Clock::now() - std::chrono::duration<double>(taken_s);
+    TimeBudget budget(limit_s, std::chrono::time_point_cast<TimeBudget::Clock::duration>(begin), checks_s);
+    if (values) budget.turn_to_values();
+    const bool allows = budget.allows("a trial");
+    EXPECT_EQ(budget.not_tried().size(), allows ? 0U : 1U);
+    return allows;
+  };
+  EXPECT_TRUE(allowed(7.9e6, false));
+  EXPECT_FALSE(allowed(8.1e6, false));
+  EXPECT_TRUE(allowed(8.9e6, true));
+  EXPECT_FALSE(allowed(9.1e6, true));
+}
+
+// An interval of too few simulated recordings would be too narrow: it is open, and the reason is said.
+TEST(FindingsOfLimitedTime, LeaveAnIntervalOpenThatTheyCouldNotWorkOut) {
+  rendering::Candidate candidate;
+  candidate.name = "viscosity";
+  candidate.parameters = {{"b", "N s/m", 0.0, 10.0, 0.0, ""}};
+  for (const bool cut_short : {false, true}) {
+    Findings f = left_over(0.05);
+    f.search.found = {effect("viscosity")};
+    f.search.model.effects = {{"viscosity", {{"b", 2.0}}, ""}};
+    f.search.fit.model = f.search.model;
+    f.search.intervals_cut_short = cut_short;
+    conclude(f, {candidate});
+    const FoundParameter& b = f.parameters.at(0).at(0);
+    EXPECT_EQ(b.undetermined.empty(), !cut_short);
+    EXPECT_EQ(std::isinf(b.high95), cut_short);
+    EXPECT_EQ(b.value, 2.0);
+  }
 }
 
 // Where a damper passes the tracker's noise on, single samples have their own sentence; without it the error rises.

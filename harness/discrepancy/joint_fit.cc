@@ -308,14 +308,10 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
       curvature.info() == Eigen::Success && curvature.vectorD().minCoeff() > 1e-12 * curvature.vectorD().maxCoeff();
   if (!fit.ok) return fit;
   const Eigen::MatrixXd inverse = curvature.solve(Eigen::MatrixXd::Identity(n, n));
-  const auto rows_of_run = static_cast<Eigen::Index>(3 * blocks_in_run);
-  Eigen::MatrixXd gradients((jacobian.rows() + rows_of_run - 1) / rows_of_run, n);
-  for (Eigen::Index run = 0; run < gradients.rows(); ++run) {
-    const Eigen::Index row = run * rows_of_run;
-    const Eigen::Index count = std::min(rows_of_run, jacobian.rows() - row);
-    gradients.row(run) = out.segment(row, count).transpose() * jacobian.middleRows(row, count);
-  }
-  fit.covariance = stats::sandwich_covariance(inverse, gradients);
+  Eigen::MatrixXd scores(static_cast<Eigen::Index>(data.blocks.size()), n);
+  for (Eigen::Index b = 0; b < scores.rows(); ++b)
+    scores.row(b) = out.segment<3>(3 * b).transpose() * jacobian.middleRows<3>(3 * b);
+  fit.covariance = stats::sandwich_covariance(inverse, stats::long_run_gradients(scores));
   const Eigen::VectorXd wider =
       inverse.diagonal().cwiseQuotient(fit.covariance.diagonal().cwiseMax(1e-300)).cwiseMax(1.0).cwiseSqrt();
   fit.covariance = Eigen::MatrixXd(wider.asDiagonal() * fit.covariance * wider.asDiagonal());

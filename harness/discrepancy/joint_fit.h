@@ -37,8 +37,8 @@ struct JointFit {
   rendering::Model model;
   double chi_squared = 0.0;
   Eigen::VectorXd u;  // of the free parameters
-  // Of u, by runs of neighbouring blocks, which share what the model lacks (stats/sandwich.h);
-  // never less than the curvature at the minimum gives.
+  // Of u, by the long-run variance of the blocks' gradients, since they share what the model lacks
+  // (stats/sandwich.h); never less than the curvature at the minimum gives.
   Eigen::MatrixXd covariance;
   std::vector<bool> at_bound;
   bool ok = false;  // finite, and the curvature could be inverted

@@ -1,25 +1,18 @@
 #include "harness/discrepancy/parameter_intervals.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "harness/base/in_parallel.h"
 #include "harness/discrepancy/nearby_fits.h"
+#include "harness/stats/distributions.h"
 
 namespace touchstone::discrepancy {
 namespace {
 
 constexpr double normal_quantile = 1.96;
-
-// Student's, 97.5 %, for 1 to 15 degrees of freedom.
-double student_quantile(std::size_t freedom) {
-  constexpr std::array table{12.71, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306,
-                             2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131};
-  return freedom >= 1 && freedom <= table.size() ? table[freedom - 1] : normal_quantile;
-}
 
 // A scale on which an interval is symmetrical: the logarithm for scales and time constants.
 struct Scale {
@@ -75,7 +68,8 @@ std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, 
     if (read) read(from, world);
     JointFit refitted = nearby.usable() ? nearby.fit(again.measured_N, from, iterations)
                                         : fit_jointly(again, from, parameters, iterations, false);
-    if (refitted.ok) fits[world] = NullFit{world, std::move(refitted.model)};
+    // One that ended with the time has not come as far as it would.
+    if (refitted.ok && !time_is_up(data)) fits[world] = NullFit{world, std::move(refitted.model), refitted.chi_squared};
   };
   in_parallel(fits.size(), in_world, 1);
   std::vector<NullFit> usable;
@@ -85,8 +79,15 @@ std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, 
   return usable;
 }
 
+double excess_over(const std::vector<NullFit>& draws, const JointFit& fit) {
+  double mean = 0.0;
+  for (const NullFit& draw : draws) mean += draw.chi_squared / static_cast<double>(draws.size());
+  return mean > 0.0 ? std::max(1.0, fit.chi_squared / mean) : 1.0;
+}
+
 Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
-                    const std::vector<NullFit>& draws, const std::string& effect, const std::string& name) {
+                    const std::vector<NullFit>& draws, const std::string& effect, const std::string& name,
+                    double excess) {
   const auto free = std::find_if(parameters.begin(), parameters.end(),
                                  [&](const FreeParameter& p) { return p.owner == effect && p.name == name; });
   const double value = find_entry(fit.model, effect)->parameters.at(name);
@@ -99,7 +100,7 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
   double variance = fitted_variance(fit, parameters, effect, name, scale);
   double bias = 0.0;
   double quantile = normal_quantile;
-  if (draws.size() >= 3) {
+  if (draws.size() >= fewest_draws) {
     const double n = static_cast<double>(draws.size());
     for (const NullFit& draw : draws)
       bias += (scale.to(find_entry(draw.model, effect)->parameters.at(name)) - here) / n;
@@ -108,9 +109,10 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
       const double off = scale.to(find_entry(draw.model, effect)->parameters.at(name)) - here - bias;
       squares += off * off;
     }
-    quantile = student_quantile(draws.size() - 1);
+    bias *= excess;
+    quantile = stats::student_t_975(n - 1.0);
     // The mean of a few simulated recordings is itself uncertain.
-    variance = std::max(variance, squares / (n - 1.0)) * (1.0 + 1.0 / n);
+    variance = std::max(variance, excess * squares / (n - 1.0)) * (1.0 + 1.0 / n);
   }
   const double half = quantile * std::sqrt(variance);
   const double back = bias_of_truth(here, bias, scale);

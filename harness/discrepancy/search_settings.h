@@ -1,6 +1,7 @@
 // What a search for missing effects asks of an effect before it is named.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <limits>
 
@@ -37,8 +38,10 @@ struct SearchSettings {
   double within_cone = 1.15;  // the widest ratio over a fitted static coefficient: beyond, the fit is not believed
   double read_share = 0.5;    // of what the fit gains on the start, on the validation blocks, that values read in its
                               // place may give back
-  // Beyond it nothing new is tried. Infinite: no limit, and so the same answer on every machine.
+  // From `begun` to the answer. Infinite: no limit, and so the same answer on every machine.
   double time_limit_s = std::numeric_limits<double>::infinity();
+  std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
+  double checks_s = 0.0;  // of the limit, what the answer needs at the end (time_budget.h)
   std::size_t most_effects = 6;
   int iterations = 12;
   int field_iterations = 4;

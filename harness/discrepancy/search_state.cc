@@ -17,7 +17,7 @@ SearchState::SearchState(const SearchData& evidence, const std::vector<Candidate
     : data(&evidence),
       candidates(&library),
       settings(&limits),
-      budget(std::make_shared<TimeBudget>(limits.time_limit_s)),
+      budget(std::make_shared<TimeBudget>(limits.time_limit_s, limits.begun, limits.checks_s)),
       start(first),
       parameters{base_stiffness(first)} {
   current.model = start;

@@ -16,6 +16,7 @@ struct TrialVerdict {
   enum class Kind {
     passed,                 // nothing speaks against it (yet)
     refused,                // as the words say; also what was not judged
+    noisy_positions_alone,  // refused, since on the smoothed trajectory it does not help
     within_mesh_tolerance,  // refused, since all it does may be the error that the mesh's makers declare
     added,                  // it won against the other trials of its step
     added_apart,            // added in another way: the other trials of its step were not its rivals

@@ -92,7 +92,8 @@ TrialVerdict costly_gates(const SearchState& state, const Trial& trial) {
   const std::string worse = worsened_phase(regimes, state.settings->worsening);
   if (!worse.empty()) return fmt::format("makes {} worse", worse);
   if (!helps_without_noise(state, trial)) {
-    return "helps at the noisy positions alone: it passes less of their noise on";
+    return {TrialVerdict::Kind::noisy_positions_alone,
+            "helps at the noisy positions alone: it passes less of their noise on"};
   }
   if (!trial_displaces_for_sure(state, trial)) return maybe_within_mesh();
   return "";

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "harness/base/random.h"
@@ -124,6 +125,32 @@ TEST(Sandwich, ClustersOfEqualValuesCountOnce) {
   const Eigen::MatrixXd inverse = Eigen::MatrixXd::Constant(1, 1, 1.0 / (clusters * copies));
   const double spread = standard_deviation(values);
   EXPECT_NEAR(sandwich_covariance(inverse, gradients)(0, 0), spread * spread / clusters, 1e-15);
+}
+
+// The mean of noise that follows an autoregression of first order has the variance S(0) / T, many times that of white
+// noise of the same spread; S(w) = 1 / (1 - 2 a cos w + a^2) (Box and Jenkins 1970, 3.2.3). Its estimate has the mean
+// of S over the frequencies that it takes, within sqrt(2 / degrees of freedom / series).
+TEST(Sandwich, LongRunsOfCorrelatedValuesCountForWhatTheyAre) {
+  constexpr int parts = 1000, series = 400, freedom = 40;
+  for (const double a : {0.0, 0.5, 0.8}) {
+    Random random(5);
+    double estimated = 0.0;
+    for (int s = 0; s < series; ++s) {
+      Eigen::MatrixXd values(parts, 1);
+      double last = random.normal() / std::sqrt(1.0 - a * a);
+      for (int t = 0; t < parts; ++t) values(t, 0) = last = a * last + random.normal();
+      const Eigen::MatrixXd gradients = long_run_gradients(values);
+      ASSERT_EQ(gradients.rows(), freedom);
+      estimated += sandwich_covariance(Eigen::MatrixXd::Constant(1, 1, 1.0 / parts), gradients)(0, 0) / series;
+      // What all values share is no spread.
+      EXPECT_NEAR((long_run_gradients((values.array() + 7.0).matrix()) - gradients).norm(), 0.0, 1e-9);
+    }
+    double expected = 0.0;
+    for (int j = 1; j <= freedom; ++j)
+      expected += 1.0 / (1.0 - 2.0 * a * std::cos(std::numbers::pi * j / parts) + a * a) / parts / freedom;
+    EXPECT_NEAR(estimated / expected, 1.0, 4.0 * std::sqrt(2.0 / (freedom * series))) << a;
+    EXPECT_NEAR(expected * parts * (1.0 - a) * (1.0 - a), 1.0, 0.15) << a;
+  }
 }
 
 TEST(Quantile, SpreadOfANormalIsOneAndOutliersDoNotChangeIt) {

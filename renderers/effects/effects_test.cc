@@ -135,6 +135,47 @@ TEST(Effects, SublinearFrictionGoesWithAPowerOfTheLoad) {
   }
 }
 
+// Slid steadily the age is critical slip over speed; a rest of a time adds it to the age, and the force that it takes
+// to slide again shows it.
+TEST(Effects, AgeingFrictionFallsWithTheLogarithmOfSpeedAndGrowsWithARest) {
+  constexpr double dt = 1e-3, slip_m = 1e-3, depth_m = 1e-3, reference_s = 0.02;
+  const Model model = with("ageing-friction", {{"mu_fresh", 0.3},
+                                               {"growth", 0.05},
+                                               {"critical_slip_m", slip_m},
+                                               {"reference_time_s", reference_s},
+                                               {"presliding_m", 1e-6}});
+  const auto limit_N = [&](double age_s) { return k * depth_m * (0.3 + 0.05 * std::log1p(age_s / reference_s)); };
+  for (const double v : {2e-3, 2e-2}) {
+    std::vector<Vec3> path;
+    for (int i = 0; i * dt * v < 30.0 * slip_m; ++i) path.emplace_back(i * dt * v, 0.0, -depth_m);
+    const auto slid = run(model, path, dt);
+    EXPECT_NEAR(-slid.back().f_W_N.x(), limit_N(slip_m / v), 1e-6 * limit_N(0.0)) << v;
+    for (const double rest_s : {0.1, 1.0}) {
+      auto rested = path;
+      rested.insert(rested.end(), static_cast<std::size_t>(std::lround(rest_s / dt)), path.back());
+      rested.push_back(path.back() + Vec3(2e-6, 0.0, 0.0));  // hardly renews it, and is beyond the bristle
+      EXPECT_NEAR(-run(model, rested, dt).back().f_W_N.x(), limit_N(slip_m / v + rest_s), 2e-3 * limit_N(0.0));
+    }
+  }
+}
+
+TEST(Effects, TwoMaterialsMeetAtABorder) {
+  constexpr double border_m = 0.02, width_m = 2e-3, depth_m = 1e-3, ratio = 2.5;
+  for (const double direction : {0.0, 0.7, -2.0}) {
+    const Model model =
+        with("two-materials",
+             {{"ratio", ratio}, {"direction_rad", direction}, {"border_m", border_m}, {"width_m", width_m}});
+    const Vec3 across(std::cos(direction), std::sin(direction), 0.0);
+    const Vec3 along(-across.y(), across.x(), 0.0);
+    const auto force_N = [&](double s_m) {
+      return run(model, {s_m * across + 0.03 * along - depth_m * Vec3::UnitZ()}, 1e-3).back().f_W_N.z();
+    };
+    EXPECT_NEAR(force_N(border_m - 10.0 * width_m), k * depth_m, 1e-6);
+    EXPECT_NEAR(force_N(border_m), std::sqrt(ratio) * k * depth_m, 1e-9);
+    EXPECT_NEAR(force_N(border_m + 10.0 * width_m), ratio * k * depth_m, 1e-6);
+  }
+}
+
 TEST(Effects, RatesAgainstTheirFormulas) {
   const double dt = 1e-3;
   const double v = 0.05;

@@ -34,11 +34,18 @@ std::map<std::string, double> strong(const std::string& name, double scale) {
       {"anisotropic-friction", {{"mu_x", 0.2}, {"mu_y", 0.6}, {"presliding_m", 1e-4 * scale}}},
       {"sublinear-friction",
        {{"mu_reference", 0.6}, {"exponent", 0.6}, {"reference_force_N", 0.5}, {"presliding_m", 1e-4 * scale}}},
+      {"ageing-friction",
+       {{"mu_fresh", 0.4},
+        {"growth", 0.06},
+        {"critical_slip_m", 2e-3 * scale},
+        {"reference_time_s", 0.01},
+        {"presliding_m", 1e-4 * scale}}},
       {"viscous-friction", {{"coefficient_N_s_per_m", 5.0 / scale}}},
       {"normal-damping", {{"coefficient_N_s_per_m", 8.0 / scale}}},
       {"hunt-crossley", {{"coefficient_N_s_per_m2", 2000.0 / (scale * scale)}}},
       {"power-law-stiffness", {{"exponent", 1.7}, {"reference_depth_m", 2e-3 * scale}}},
       {"stiffness-map", {{"amplitude", 1.0}, {"x_m", 0.0}, {"y_m", 0.0}, {"width_m", 0.02 * scale}}},
+      {"two-materials", {{"ratio", 2.5}, {"direction_rad", 0.4}, {"border_m", 0.0}, {"width_m", 1e-3 * scale}}},
       {"stress-relaxation", {{"ratio", 0.7}, {"time_constant_s", 0.2}}},
       {"tip-radius", {{"radius_m", 3e-3 * scale}}},
       {"adhesion", {{"force_N", 0.4}, {"range_m", 5e-4 * scale}}},
@@ -174,9 +181,9 @@ TEST_P(EveryEffect, GivesNoEnergyOverAPathFromFreeAirToFreeAir) {
   // What sampling makes: steps in which the contact begins or ends, and rates half a step late.
   EXPECT_LT(work, 1e-3 * traffic);
   const std::vector<std::string> losing{"coulomb-friction",   "stribeck-friction", "anisotropic-friction",
-                                        "sublinear-friction", "viscous-friction",  "normal-damping",
-                                        "hunt-crossley",      "stress-relaxation", "adhesion",
-                                        "stick-slip",         "viscosity"};
+                                        "sublinear-friction", "ageing-friction",   "viscous-friction",
+                                        "normal-damping",     "hunt-crossley",     "stress-relaxation",
+                                        "adhesion",           "stick-slip",        "viscosity"};
   if (std::find(losing.begin(), losing.end(), GetParam().effect) != losing.end()) {
     EXPECT_LT(work, -3e-3 * traffic);
   }

@@ -115,6 +115,48 @@ class AnisotropicFriction final : public Effect {
   Bristle bristle_;
 };
 
+class AgeingFriction final : public Effect {
+ public:
+  AgeingFriction(double mu_fresh, double growth, double critical_slip, double reference_time, double presliding)
+      : mu_fresh_(mu_fresh),
+        growth_(growth),
+        critical_slip_m_(critical_slip),
+        reference_time_s_(reference_time),
+        presliding_m_(presliding) {}
+
+  void reset() noexcept override {
+    z_W_m_.setZero();
+    age_s_ = 0.0;
+  }
+
+  void apply(ContactState& contact) noexcept override {
+    if (!contact.contact) {
+      reset();
+      return;
+    }
+    const Vec3 step = contact.tip_step_W_m - contact.n_W.dot(contact.tip_step_W_m) * contact.n_W;
+    const double slips = step.norm() / critical_slip_m_;
+    const double renewed = -std::expm1(-slips);
+    age_s_ += (slips > 0.0 ? contact.dt_s * renewed / slips : contact.dt_s) - age_s_ * renewed;
+    const double mu = mu_fresh_ + growth_ * std::log1p(age_s_ / reference_time_s_);
+    z_W_m_ += step;
+    z_W_m_ -= contact.n_W.dot(z_W_m_) * contact.n_W;
+    const double farthest_m = mu_fresh_ > 0.0 ? presliding_m_ * mu / mu_fresh_ : presliding_m_;
+    const double deflection_m = z_W_m_.norm();
+    if (deflection_m > farthest_m) z_W_m_ *= farthest_m / deflection_m;
+    contact.tangential_W_N -= mu * contact.normal_force_N / farthest_m * z_W_m_;
+  }
+
+ private:
+  double mu_fresh_;
+  double growth_;
+  double critical_slip_m_;
+  double reference_time_s_;
+  double presliding_m_;
+  Vec3 z_W_m_ = Vec3::Zero();
+  double age_s_ = 0.0;
+};
+
 class SublinearFriction final : public Effect {
  public:
   SublinearFriction(double mu, double exponent, double reference_force_N, double presliding)
@@ -165,6 +207,10 @@ std::unique_ptr<Effect> make_anisotropic_friction(std::span<const double> values
 
 std::unique_ptr<Effect> make_sublinear_friction(std::span<const double> values) {
   return std::make_unique<SublinearFriction>(values[0], values[1], values[2], values[3]);
+}
+
+std::unique_ptr<Effect> make_ageing_friction(std::span<const double> values) {
+  return std::make_unique<AgeingFriction>(values[0], values[1], values[2], values[3], values[4]);
 }
 
 namespace {
@@ -271,6 +317,31 @@ EffectTraits sublinear_friction_traits() {
                              {"exponent", 2.0 / 3.0},
                              {"reference_force_N", 0.5 * scales.force_N},
                              {"presliding_m", s}});
+    }
+    return plan;
+  };
+  return traits;
+}
+
+// From a slip that a pause of a second outlasts to one of the whole scan. What a fresh contact is, and its coefficient,
+// trade against each other: the age that counts as fresh is held.
+EffectTraits ageing_friction_traits() {
+  EffectTraits traits;
+  traits.contains = {"coulomb-friction"};
+  traits.plan = [](const RecordingScales& scales) {
+    SearchedParameter slip{"critical_slip_m"};
+    slip.lower = 2e-3 * scales.extent_m();
+    slip.upper = scales.extent_m();
+    slip.logarithmic = true;
+    SearchPlan plan{{{"mu_fresh"}, {"growth", 0.1}, slip, presliding(scales)}, {}};
+    for (const double share : {0.02, 0.1}) {
+      for (const double s : presliding_starts_m(scales)) {
+        plan.starts.push_back({{"mu_fresh", 0.2},
+                               {"growth", 0.03},
+                               {"critical_slip_m", share * scales.extent_m()},
+                               {"reference_time_s", 1e-3 * scales.duration_s},
+                               {"presliding_m", s}});
+      }
     }
     return plan;
   };

@@ -12,6 +12,11 @@
 //   load,
 //                by the power 2/3 in Hertz's contact (1882), and friction with the area that is sheared (Archard 1957,
 //                Proc. R. Soc. A 243:190; of skin: Adams, Briscoe and Johnson 2007, Tribol. Lett. 26:239). 1: Coulomb's
+//   ageing       the limit of the force is N (mu_fresh + growth ln(1 + age / t_ref)), and a deflection s bears
+//                mu_fresh N: a tip that rests may be drawn further before it slides. The age grows with the time and
+//                is renewed over the critical slip D, age' = 1 - v age / D, exactly for a v constant over the step
+//                (Dieterich 1979, J. Geophys. Res. 84:2161; Ruina 1983, J. Geophys. Res. 88:10359). Sliding steadily
+//                the coefficient falls with the logarithm of the speed
 // A law of velocity alone would flip its sign with the noise of a held tip; memory of the path does not.
 //
 // Coulomb's cone holds by construction: |f_t| <= mu_static N, but for the sublinear law, which has none. Passivity: f_t
@@ -39,6 +44,8 @@ std::unique_ptr<rendering::Effect> make_coulomb_friction(std::span<const double>
 std::unique_ptr<rendering::Effect> make_stribeck_friction(std::span<const double> values);
 // Values: mu_x, mu_y, presliding_m.
 std::unique_ptr<rendering::Effect> make_anisotropic_friction(std::span<const double> values);
+// Values: mu_fresh, growth, critical_slip_m, reference_time_s, presliding_m.
+std::unique_ptr<rendering::Effect> make_ageing_friction(std::span<const double> values);
 // Values: mu_reference, exponent, reference_force_N, presliding_m.
 std::unique_ptr<rendering::Effect> make_sublinear_friction(std::span<const double> values);
 
@@ -47,5 +54,6 @@ rendering::EffectTraits coulomb_friction_traits();
 rendering::EffectTraits stribeck_friction_traits();
 rendering::EffectTraits anisotropic_friction_traits();
 rendering::EffectTraits sublinear_friction_traits();
+rendering::EffectTraits ageing_friction_traits();
 
 }  // namespace touchstone::renderers

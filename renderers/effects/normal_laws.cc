@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "renderers/effects/in_frame.h"
 #include "renderers/effects/rate_plan.h"
@@ -71,6 +72,26 @@ class StiffnessMap final : public Effect {
   double scale_;
 };
 
+// Across the border the stiffness follows a logistic step (tanh) of the given half-width.
+class TwoMaterials final : public Effect {
+ public:
+  TwoMaterials(double ratio, double direction, double border, double width)
+      : log_ratio_(std::log(ratio)), x_(std::cos(direction)), y_(std::sin(direction)), border_(border), width_(width) {}
+  void reset() noexcept override {}
+  void apply(ContactState& contact) noexcept override {
+    if (!contact.contact) return;
+    const double beyond = x_ * contact.proxy_W_m.x() + y_ * contact.proxy_W_m.y() - border_;
+    contact.normal_force_N *= std::exp(0.5 * log_ratio_ * (1.0 + std::tanh(beyond / width_)));
+  }
+
+ private:
+  double log_ratio_;
+  double x_;
+  double y_;
+  double border_;
+  double width_;
+};
+
 class StressRelaxation final : public Effect {
  public:
   StressRelaxation(double ratio, double time_constant) : ratio_(ratio), time_constant_(time_constant) {}
@@ -120,6 +141,9 @@ std::unique_ptr<Effect> make_power_law_stiffness(std::span<const double> values)
 std::unique_ptr<Effect> make_stiffness_map(std::span<const double> values) {
   return in_frame(values, std::make_unique<StiffnessMap>(values[0], values[1], values[2], values[3]));
 }
+std::unique_ptr<Effect> make_two_materials(std::span<const double> values) {
+  return in_frame(values, std::make_unique<TwoMaterials>(values[0], values[1], values[2], values[3]));
+}
 std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values) {
   return std::make_unique<StressRelaxation>(values[0], values[1]);
 }
@@ -158,6 +182,42 @@ EffectTraits stiffness_map_traits() {
   EffectTraits traits;
   traits.along_surface = true;
   traits.peaks = EffectTraits::Peaks::stiffness;
+  return traits;
+}
+
+// From a wide border, which any start sees, to a narrow one, over which derivatives are taken in steps that it cannot
+// fall between.
+EffectTraits two_materials_traits() {
+  EffectTraits traits;
+  traits.along_surface = true;
+  traits.plan = [](const RecordingScales& scales) {
+    constexpr double pi = std::numbers::pi;
+    constexpr double step = 0.1;  // of the scale
+    const double extent_m = scales.extent_m();
+    rendering::SearchedParameter ratio{"ratio"};
+    ratio.lower = 0.02, ratio.upper = 50.0, ratio.logarithmic = true;
+    rendering::SearchedParameter direction{"direction_rad", 0.3, -2.0 * pi, 2.0 * pi};
+    rendering::SearchedParameter border{"border_m", 0.1 * extent_m};
+    direction.step = border.step = step;
+    // Within what was touched, on both sides of which something must be.
+    const Vec3 middle_m = 0.5 * (scales.low_m + scales.high_m);
+    border.upper = middle_m.head<2>().norm() + 0.3 * extent_m;
+    border.lower = -border.upper;
+    rendering::SearchedParameter width{"width_m"};
+    width.lower = 5e-3 * extent_m, width.upper = 0.2 * extent_m, width.logarithmic = true;
+    rendering::SearchPlan plan{{ratio, direction, border, width}, {}};
+    constexpr int directions = 4;
+    for (int k = 0; k < directions; ++k) {
+      const double towards = pi * k / directions;
+      const double here_m = std::cos(towards) * middle_m.x() + std::sin(towards) * middle_m.y();
+      for (const double share : {-0.15, 0.0, 0.15})
+        plan.starts.push_back({{"ratio", 1.2},
+                               {"direction_rad", towards},
+                               {"border_m", here_m + share * extent_m},
+                               {"width_m", 0.08 * extent_m}});
+    }
+    return plan;
+  };
   return traits;
 }
 

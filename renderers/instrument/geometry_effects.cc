@@ -35,6 +35,18 @@ class Registration final : public InstrumentEffect {
   Mat3 inverse_;
 };
 
+class TrackerScale final : public InstrumentEffect {
+ public:
+  TrackerScale(double scale, const Vec3& pivot_W_m) : size_(1.0 + scale), pivot_W_m_(pivot_W_m) {}
+  [[nodiscard]] Vec3 true_position(const Vec3& measured_W_m) const override {
+    return pivot_W_m_ + (measured_W_m - pivot_W_m_) / size_;
+  }
+
+ private:
+  double size_;
+  Vec3 pivot_W_m_;
+};
+
 class Bump final : public Effect {
  public:
   Bump(double amplitude, double x, double y, double width) : amplitude_(amplitude), x_(x), y_(y), width_(width) {}
@@ -86,6 +98,9 @@ std::unique_ptr<InstrumentEffect> make_registration(std::span<const double> valu
   const auto three = [&](std::size_t first) { return Vec3(values[first], values[first + 1], values[first + 2]); };
   return std::make_unique<Registration>(rendering::ObjectDisplacement{three(0), three(3), three(6)});
 }
+std::unique_ptr<InstrumentEffect> make_tracker_scale(std::span<const double> values) {
+  return std::make_unique<TrackerScale>(values[0], Vec3(values[1], values[2], values[3]));
+}
 std::unique_ptr<InstrumentEffect> make_surface_geometry(std::span<const double> values) {
   return std::make_unique<SurfaceGeometry>(values);
 }
@@ -128,6 +143,27 @@ EffectTraits registration_traits() {
         const Vec3 shift_W_m = share * d * (scales.frame.q_WF * Vec3::UnitZ());
         for (int k = 0; k < 3; ++k) plan.starts.back()[shifts.at(std::size_t(k))] = shift_W_m[k];
       }
+    }
+    return plan;
+  };
+  return traits;
+}
+
+// Lengths on a flat object that come out too long show nothing: as for a ball, the surface must bend.
+EffectTraits tracker_scale_traits() {
+  EffectTraits traits;
+  traits.moves_contact = true;
+  traits.along_surface = true;
+  traits.plan = [](const rendering::RecordingScales& scales) {
+    constexpr double largest = 0.1;
+    const double facets = scales.facet_m / scales.extent_m();
+    rendering::SearchPlan plan{{{"scale", 0.02, -largest, largest, false, {}, {}, 50.0 * facets}}, {}};
+    for (const double scale : {-0.02, 0.02}) {
+      std::map<std::string, double> start{{"scale", scale}};
+      const Vec3& pivot_W_m = scales.frame.origin_W_m;
+      if (!pivot_W_m.isZero(0.0))
+        start.insert({{"pivot_x_m", pivot_W_m.x()}, {"pivot_y_m", pivot_W_m.y()}, {"pivot_z_m", pivot_W_m.z()}});
+      plan.starts.push_back(std::move(start));
     }
     return plan;
   };

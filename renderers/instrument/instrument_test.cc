@@ -48,12 +48,14 @@ TEST(InstrumentEffects, ActInTheSensorsFrame) {
   const auto drift = applied("force-drift", {0.1, -0.2, 0.3}, samples);
   const auto crosstalk = applied("force-crosstalk", {0.1, -0.2}, samples);
   const auto saturation = applied("force-saturation", {1.0}, samples);
+  const auto gain = applied("gain-drift", {0.3}, samples);
   for (std::size_t i = 0; i < samples.t_s.size(); ++i) {
     const Quat& q = samples.q_WS[i];
     const Vec3 f_S = q.conjugate() * samples.f_W_N[i];
     EXPECT_NEAR((q.conjugate() * bias[i] - f_S - Vec3(0.1, -0.2, 0.3)).norm(), 0.0, 1e-12);
     EXPECT_NEAR((q.conjugate() * drift[i] - f_S - samples.t_s[i] * Vec3(0.1, -0.2, 0.3)).norm(), 0.0, 1e-12);
     EXPECT_NEAR((q.conjugate() * crosstalk[i] - f_S - Vec3(0.1 * f_S.z(), -0.2 * f_S.z(), 0.0)).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((gain[i] - (1.0 + 0.3 * samples.t_s[i]) * samples.f_W_N[i]).norm(), 0.0, 1e-12);
     EXPECT_LE((q.conjugate() * saturation[i]).cwiseAbs().maxCoeff(), 1.0 + 1e-12);
   }
 }
@@ -107,6 +109,23 @@ TEST(InstrumentEffects, RegistrationIsUndoneExactly) {
   for (int i = 0; i < 20; ++i) {
     const Vec3 truth = pivot + random.direction();
     EXPECT_NEAR((effect->true_position(truth + d + r.cross(truth - pivot)) - truth).norm(), 0.0, 1e-14);
+  }
+}
+
+// Distances of two places come out longer by the scale, and the pivot where it is.
+TEST(InstrumentEffects, ATrackersScaleIsUndoneExactly) {
+  const Vec3 pivot(0.4, -0.2, 3.0);
+  for (const double scale : {-0.3, 1e-3, 0.2}) {
+    const auto effect =
+        find_instrument_effect("tracker-scale")->make(std::vector<double>{scale, pivot.x(), pivot.y(), pivot.z()});
+    EXPECT_NEAR((effect->true_position(pivot) - pivot).norm(), 0.0, 1e-15);
+    Random random(10);
+    for (int i = 0; i < 20; ++i) {
+      const Vec3 a = random.direction();
+      const Vec3 b = pivot + random.direction();
+      const double apart_m = (effect->true_position(a) - effect->true_position(b)).norm();
+      EXPECT_NEAR((1.0 + scale) * apart_m, (a - b).norm(), 1e-12);
+    }
   }
 }
 

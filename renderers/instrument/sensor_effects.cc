@@ -50,6 +50,17 @@ class ForceDrift final : public InstrumentEffect {
   Vec3 rate_S_N_per_s_;
 };
 
+class GainDrift final : public InstrumentEffect {
+ public:
+  explicit GainDrift(double rate) : rate_per_s_(rate) {}
+  void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
+    for (std::size_t i = 0; i < f_W_N.size(); ++i) f_W_N[i] *= 1.0 + rate_per_s_ * motion.t_s[i];
+  }
+
+ private:
+  double rate_per_s_;
+};
+
 class ForceCrosstalk final : public InstrumentEffect {
  public:
   ForceCrosstalk(double c_xz, double c_yz) : c_xz_(c_xz), c_yz_(c_yz) {}
@@ -109,6 +120,9 @@ std::unique_ptr<InstrumentEffect> make_force_bias(std::span<const double> values
 std::unique_ptr<InstrumentEffect> make_force_drift(std::span<const double> values) {
   return std::make_unique<ForceDrift>(Vec3(values[0], values[1], values[2]));
 }
+std::unique_ptr<InstrumentEffect> make_gain_drift(std::span<const double> values) {
+  return std::make_unique<GainDrift>(values[0]);
+}
 std::unique_ptr<InstrumentEffect> make_force_crosstalk(std::span<const double> values) {
   return std::make_unique<ForceCrosstalk>(values[0], values[1]);
 }
@@ -147,6 +161,14 @@ EffectTraits force_drift_traits() {
   traits.plan = [](const RecordingScales& scales) {
     const double rate = scales.force_N / std::max(scales.duration_s, 1e-9);
     return plan_around_zero({"fx_N_per_s", "fy_N_per_s", "fz_N_per_s"}, rate, 4.0);
+  };
+  return traits;
+}
+
+EffectTraits gain_drift_traits() {
+  EffectTraits traits;
+  traits.plan = [](const RecordingScales& scales) {
+    return plan_around_zero({"rate_per_s"}, 0.2 / std::max(scales.duration_s, 1e-9), 4.0);
   };
   return traits;
 }

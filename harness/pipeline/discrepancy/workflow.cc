@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -229,10 +230,19 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
   return text;
 }
 
+// What the answer needs at the end: it reads all files a second time, in a process of its own, and is judged in as many
+// simulated motions as were prepared since, under two or three models.
+double checks_after_s(std::chrono::steady_clock::time_point begun) {
+  constexpr double answers_over_reading = 1.5;
+  return answers_over_reading * std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+}
+
 }  // namespace
 
 DiscrepancyAnswer run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& files,
                                   const std::function<void(const std::string&)>& report) {
+  discrepancy::SearchSettings settings;
+  settings.time_limit_s = files.time_limit_s;
   const DiscrepancyInputs inputs = load_inputs(catalogue, files);
   ensure_writable_folder(files.out);  // after the input, which may be bad; before the long work
   for (const std::string& remark : inputs.remarks) report(remark);
@@ -279,8 +289,7 @@ DiscrepancyAnswer run_discrepancy(const Catalogue& catalogue, const DiscrepancyF
   data.geometry_error_m = instrument.geometry_error_m;
 
   Findings findings;
-  discrepancy::SearchSettings settings;
-  settings.time_limit_s = files.time_limit_s;
+  settings.checks_s = checks_after_s(settings.begun);
   findings.search = search_effects(data, model, candidates, settings, report);
   const auto samples_predictor = count > 1 ? make(holdout.motion) : nullptr;
   Evidence samples = data.holdout;

@@ -1,6 +1,6 @@
-// Friction that grows less than the load has its name, and is not named where friction goes with the load. The truth is
-// written by other equations than the effect's: the area of Hertz's contact under a shear strength, turned over a path
-// by Dahl's differential equation.
+// What has a name is called by it, on a plate whose forces are written by other equations than the effects': friction
+// by the area of Hertz's contact under a shear strength, turned over a path by Dahl's differential equation; a sharp
+// border between two materials.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,8 +40,9 @@ std::vector<Vec3> forces_N(const MotionColumns& path, const Friction& friction_N
   return f_W_N;
 }
 
-template <class Friction>
-Findings search_of(const Friction& friction_N, std::uint64_t seed) {
+// `force_W_N` of a path, for two recordings.
+template <class Force>
+Findings searched(const Force& force_W_N, std::uint64_t seed) {
   surface::TriangleMesh mesh;
   mesh.vertices_W_m = {{-0.1, -0.1, 0}, {0.1, -0.1, 0}, {0.1, 0.1, 0}, {-0.1, 0.1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -53,7 +54,7 @@ Findings search_of(const Friction& friction_N, std::uint64_t seed) {
   start.source = "test";
   const auto measure = [&](double phase, std::uint64_t noise) {
     const MotionColumns path = hand(phase, 1.0);
-    return measured(path, forces_N(path, friction_N), small_noise(1.0), noise);
+    return measured(path, force_W_N(path), small_noise(1.0), noise);
   };
   const TwoRecordings recordings(
       measure(0.0, seed), measure(1.1, seed + 1), small_noise(1.0), start,
@@ -63,6 +64,19 @@ Findings search_of(const Friction& friction_N, std::uint64_t seed) {
   findings.search = search_effects(recordings.data, start, library, {}, [](const std::string&) {});
   conclude(findings, library);
   return findings;
+}
+
+template <class Friction>
+Findings search_of(const Friction& friction_N, std::uint64_t seed) {
+  return searched([&](const MotionColumns& path) { return forces_N(path, friction_N); }, seed);
+}
+
+// A value of the first effect found and its interval.
+FoundParameter value_of(const Findings& findings, const std::string& name) {
+  for (const FoundParameter& one : findings.parameters.at(0)) {
+    if (one.name == name) return one;
+  }
+  return {};
 }
 
 TEST(SublinearFriction, OfASoftBallIsNamed) {
@@ -76,12 +90,10 @@ TEST(SublinearFriction, OfASoftBallIsNamed) {
   ASSERT_EQ(findings.search.found.size(), 1U) << findings.explanation;
   EXPECT_EQ(findings.search.found.front().name, "sublinear-friction");
   EXPECT_EQ(findings.verdict, FindingsVerdict::explained) << findings.explanation;
-  for (const FoundParameter& one : findings.parameters.front()) {
-    if (one.name != "exponent") continue;
-    EXPECT_LT(one.low95, 2.0 / 3.0);
-    EXPECT_GT(one.high95, 2.0 / 3.0);
-    EXPECT_LT(one.high95 - one.low95, 0.2);
-  }
+  const FoundParameter exponent = value_of(findings, "exponent");
+  EXPECT_LT(exponent.low95, 2.0 / 3.0);
+  EXPECT_GT(exponent.high95, 2.0 / 3.0);
+  EXPECT_LT(exponent.high95 - exponent.low95, 0.2);
 }
 
 TEST(SublinearFriction, OfTheLoadIsNot) {
@@ -92,6 +104,30 @@ TEST(SublinearFriction, OfTheLoadIsNot) {
       EXPECT_EQ(findings.search.found.front().name, "coulomb-friction") << mu << ", seed " << seed;
     }
   }
+}
+
+// Two plates glued together along a line, which the tip crosses aslant.
+TEST(TwoMaterials, AreNamedAndTheirBorderIsFound) {
+  constexpr double direction_rad = 0.6, border_m = 3e-3, ratio = 1.8;
+  const Findings findings = searched(
+      [&](const MotionColumns& path) {
+        std::vector<Vec3> f_W_N = forces_N(path, [](double) { return 0.0; });
+        for (std::size_t i = 0; i < path.size(); ++i) {
+          const Vec3& p = path.p_W_m[i];
+          if (p.x() * std::cos(direction_rad) + p.y() * std::sin(direction_rad) > border_m) f_W_N[i] *= ratio;
+        }
+        return f_W_N;
+      },
+      7);
+  ASSERT_EQ(findings.search.found.size(), 1U) << findings.explanation;
+  EXPECT_EQ(findings.search.found.front().name, "two-materials");
+  // The same border from its other side has the reciprocal ratio.
+  const double found = value_of(findings, "ratio").value;
+  EXPECT_NEAR(std::abs(std::log(found)), std::log(ratio), 0.05);
+  const double turned = found < 1.0 ? -1.0 : 1.0;
+  const double towards_rad = value_of(findings, "direction_rad").value;
+  EXPECT_NEAR(turned * std::cos(towards_rad - direction_rad), 1.0, 0.005);
+  EXPECT_NEAR(turned * value_of(findings, "border_m").value, border_m, 1e-3);
 }
 
 }  // namespace
