@@ -13,9 +13,7 @@ namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 // Triangles to gather at a time: enough for several servo ticks, few enough to test quickly.
-constexpr std::size_t kFew = 16;
-constexpr std::size_t kMany = 96;
-constexpr std::size_t kMost = 4096;
+constexpr std::size_t kFew = 16, kMany = 96, kMost = 4096;
 constexpr std::size_t kMostProposed = 2 * kMost;  // by the tree
 constexpr int kMoves = 256;                       // per step; a jump across the object takes some
 constexpr int kStraight = 64;                     // of these, before a way round is looked for
@@ -38,8 +36,7 @@ BallProxyOf<Mesh>::BallProxyOf(const Mesh& mesh, const surface::Surface& surface
       probe_walk_(mesh),
       vicinity_(std::in_place, plain_mesh(mesh), radius_m),
       near_(kMost),
-      // Of a ball that is larger than one that rests on a level surface by a margin, a cap of 2 pi r margin is below
-      // it.
+      // Of a ball larger by a margin than one that rests on a plane, a cap of 2 pi r margin lies below the plane.
       most_margin_(static_cast<double>(kMany / 2) * plain_mesh(mesh).mean_area() / (2.0 * EIGEN_PI * radius_m)),
       next_margin_(std::min(S(0.25 * radius_m), most_margin_)) {
   candidates_.reserve(kMostProposed);
@@ -244,8 +241,7 @@ auto BallProxyOf<Mesh>::check_face(const V& x, std::int32_t triangle) noexcept -
   if (!vicinity_ || just_gathered(x)) return std::nullopt;
   const BallVicinity::Of known = vicinity_->of(triangle);
   if (known.spread_m < 0.0) return std::nullopt;
-  Check result;
-  result.complete = true;
+  Check result{.complete = true};
   Holding face;
   face.add(triangle);
   S least = r_ - rounding_;
@@ -264,8 +260,7 @@ auto BallProxyOf<Mesh>::check_listed(const V& x, const Holding& held) noexcept -
     if (known.spread_m < 0.0) continue;
     const TouchOf<S> t = touch(*mesh_, triangle, x);
     if (abs(t.d - r_) + r_ * distance<S>(t.n, mesh_->facet(triangle).n) > known.spread_m) continue;
-    Check result;
-    result.complete = true;
+    Check result{.complete = true};
     S least = r_ - rounding_;
     ask_listed(known.on_face, x, held, least, result);
     ask_listed(known.beside, x, held, least, result);
@@ -459,9 +454,8 @@ bool BallProxyOf<Mesh>::constrained_step(const V& goal) noexcept {
   limiting_.clear();
   if (distance<S>(c_, gathered_at_) > 0.75 * margin_) gather(c_, next_margin_);
   const V offset = c_ - gathered_at_;
-  // Short moves, for which few triangles matter.
+  // Short moves, for which few triangles matter: not those farther than the move goes.
   const S reach = std::min(distance<S>(goal, c_), S(0.25 * margin_));
-  // Not those farther than the move goes.
   near_.each_below(offset, reach, [&](std::size_t i) {
     const std::int32_t triangle = near_.triangle(i);
     const TouchOf<S> t = touch(*mesh_, triangle, c_);
