@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "cdash_outbox.h"
 #include "cdash_setup.h"
 #include "dashboard_commands.h"
@@ -22,16 +24,24 @@ CdashServer dashboard_server(const DashboardOptions& options) {
   return server;
 }
 
+std::vector<std::filesystem::path> outboxes_of(const DashboardOptions& options) {
+  for (const std::string& folder : options.folders) {
+    if (!std::filesystem::is_directory(folder))
+      throw UsageError(folder + ": is no folder; expected build folders, or nothing for those below build");
+  }
+  return find_outboxes(options.folders);
+}
+
 ExitStatus dashboard_send(const DashboardOptions& options) {
   CdashConnection connection(dashboard_server(options));
   const OutboxLog log{[](const std::string& line) { fmt::print("{}\n", line); },
                       [](const std::string& line) { fmt::print(stderr, "{}\n", line); }};
-  const bool all = send_outboxes(connection, find_outboxes(options.folders), options.delivery, log);
+  const bool all = send_outboxes(connection, outboxes_of(options), options.delivery, log);
   return all ? ExitStatus::passed : ExitStatus::failed;
 }
 
 ExitStatus dashboard_status(const DashboardOptions& options) {
-  const OutboxState state = outbox_state(find_outboxes(options.folders));
+  const OutboxState state = outbox_state(outboxes_of(options));
   fmt::print("{}", state.text);
   return state.kept == 0 ? ExitStatus::passed : ExitStatus::failed;
 }
