@@ -53,6 +53,11 @@ const std::map<std::string, Failing>& failing_commands() {
       {"hil report", {"absent", "bad.csv"}},
       {"import", {"absent.txt --map absent.json", "bad.csv --map bad.json"}},
       {"leaderboard", {"--dataset absent", "--dataset bad-golden"}},
+      {"loop",
+       {"--model absent.json --mesh mesh.obj --path good.csv", "--model model.json --mesh mesh.obj --path bad.csv"}},
+      {"loop atlas", {"--device absent", "--device bad.json"}},
+      {"loop fit", {"--recording absent.csv", "--recording bad.csv"}},
+      {"loop width", {"--device absent", "--device bad.json"}},
       {"perceive", {"--real absent.csv --condition a=good.csv", "--real good.csv --condition a=bad.csv"}},
       {"replay",
        {"--model absent.json --mesh mesh.obj --trajectory good.csv",
@@ -128,7 +133,8 @@ class FailedRun : public testing::BuiltProgram {
 TEST_F(FailedRun, EveryCommandWithOutIsInTheTable) {
   std::set<std::string> found;
   commands_with_out("", found);
-  for (const char* const extra : {"atlas", "axis", "blind", "experiment", "import", "leaderboard", "sweep", "tool"})
+  for (const char* const extra :
+       {"atlas", "axis", "blind", "experiment", "import", "leaderboard", "loop", "sweep", "tool"})
     commands_with_out(extra, found);
   EXPECT_GT(found.size(), 40U);
   for (const std::string& words : found) EXPECT_TRUE(failing_commands().contains(words)) << words;
