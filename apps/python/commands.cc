@@ -14,9 +14,11 @@
 #include "apps/program.h"
 #include "apps/python/module.h"
 #include "command_axis.h"
+#include "dashboard_commands.h"
 #include "harness/base/input_files.h"
 #include "leaderboard_command.h"
 #include "study_commands.h"
+#include "tool_commands.h"
 
 namespace touchstone::apps::python {
 namespace {
@@ -68,7 +70,8 @@ class ProtectedInputs {
 // The program's, and those of the extras that have a function of the package.
 std::vector<AddCommand> all_commands() {
   std::vector<AddCommand> all = commands();
-  all.insert(all.end(), {axis::add_axis, board::add_leaderboard, studies::add_atlas, studies::add_sweep});
+  all.insert(all.end(), {axis::add_axis, board::add_leaderboard, dashboard::add_dashboard, dashboard::add_history,
+                         studies::add_atlas, studies::add_sweep, tool::add_tool});
   return all;
 }
 

@@ -98,7 +98,8 @@ def test_subcommands_are_called_by_their_names(tmp_path):
 
 
 def test_every_command_is_there():
-    assert {"evaluate", "fit", "discrepancy", "perceive", "leaderboard", "check", "compare"} <= set(ts.commands)
+    named = {"evaluate", "fit", "discrepancy", "perceive", "leaderboard", "check", "compare", "history", "tool replay"}
+    assert named <= set(ts.commands)
     assert "--" not in ts.evaluate.__doc__.split("\n")[0]
     assert "mesh_unit: Unit of the mesh" in ts.evaluate.__doc__
     assert "stiffness" in str(ts.evaluate.__signature__)
