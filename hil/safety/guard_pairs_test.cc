@@ -1,10 +1,12 @@
 // Two faults at once, and one fault with a device that is hard to open: while any of guard, rescuer and driver lives,
 // the force ends (docs/explanation/guard.md). With real-time scheduling within 20 ms and what the guard's processes
-// waited for a processor.
+// waited for a processor. Without it a busy machine needs a guard that is more patient than the usual one; on a quiet
+// machine TOUCHSTONE_HIL_QUIET=1 tries the usual one, and holds it to the same 20 ms.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -111,7 +113,8 @@ TEST_P(GuardPairs, TheForceEndsWhateverTwoThingsFail) {
   sched_param before{};
   const int policy = ::sched_getscheduler(0);
   ::sched_getparam(0, &before);
-  const bool timely = real_time(83) && !ordinary;
+  const bool scheduled = real_time(83) && !ordinary;
+  const bool timely = scheduled || std::getenv("TOUCHSTONE_HIL_QUIET") != nullptr;
   double worst_s = 0.0;
   std::string worst;
   int late = 0;
