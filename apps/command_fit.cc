@@ -14,12 +14,12 @@
 namespace touchstone::apps {
 namespace {
 
-constexpr const char* default_out = "touchstone-fit";
+constexpr const char* fit_folder = "touchstone-fit";
 
 struct FitOptions {
   EvaluationFlags flags;
   std::vector<std::string> parameters;
-  std::string model, metric = "rms_force_error", fit_range = "all", score_range = "all", out = default_out, json;
+  std::string model, metric = "rms_force_error", fit_range = "all", score_range = "all", out = fit_folder, json;
 };
 
 ExitStatus fit_of_axis(const FitOptions& options) {
@@ -61,7 +61,7 @@ ExitStatus fit_command(const FitOptions& options) {
     say_usual_in_trajectory(request.evaluation.in_trajectory);
   }
   ensure_writable_folder(options.out);
-  if (options.out == default_out) hide_from_git(options.out);
+  if (options.out == fit_folder) hide_from_git(options.out);
   refuse_to_replace_input(std::filesystem::path(options.out) / "model.json");  // before the long work
   const pipeline::FitResult result = run_fit(renderers::built_in_catalogue(), request);
   write_fit(result, options.out);

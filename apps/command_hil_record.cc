@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/extras.h"
 #include "apps/hil_commands.h"
-#include "harness/pipeline/acquiring/acquired_file.h"
 #include "hil/record/device_recording.h"
 #include "hil/safety/stop_signal.h"
 
@@ -31,6 +31,21 @@ std::vector<std::string> axis_problems(const hil::SessionExport& session) {
   return problems;
 }
 
+// `touchstone acquire run`, which is an extra.
+ExitStatus acquire(const RecordOptions& options, const std::string& force, const std::string& motion,
+                   const std::vector<std::string>& more) {
+  const std::optional<Extra> extra = find_extra("acquire");
+  if (!extra) {
+    throw UsageError(
+        "--acquire is the work of the extra `touchstone acquire`; the program touchstone-acquire is neither beside "
+        "this "
+        "one nor on PATH");
+  }
+  std::vector<std::string> words{"run", options.acquire, "--force", force, "--motion", motion};
+  words.insert(words.end(), more.begin(), more.end());
+  return run_extra_and_wait(*extra, words);
+}
+
 ExitStatus record_one(const RecordOptions& options, const std::function<bool()>& stop) {
   hil::RecordOptions record;
   record.seconds = options.seconds;
@@ -46,8 +61,8 @@ ExitStatus record_many(const RecordOptions& options, const std::function<bool()>
   const std::filesystem::path folder = options.out;
   // What is wrong in it is said before anything is recorded.
   if (!options.acquire.empty()) {
-    static_cast<void>(acquisition::read_description(
-        options.acquire, acquisition::RawStreams{folder / "force.csv", folder / "motion.csv"}));
+    if (const ExitStatus read = acquire(options, "force.csv", "motion.csv", {"--check"}); read != ExitStatus::passed)
+      return read;
   }
   hil::MultiOptions record;
   record.seconds = options.seconds;
@@ -67,14 +82,11 @@ ExitStatus record_many(const RecordOptions& options, const std::function<bool()>
     fmt::print(stderr, "no recording is acquired from streams without a sound time axis\n");
     return status;
   }
-  const auto description = acquisition::read_description(
-      options.acquire,
-      acquisition::RawStreams{hil::table_of(session, hil::StreamKind::force, options.force, "--force"),
-                              hil::table_of(session, hil::StreamKind::motion, options.motion, "--motion")});
-  const auto acquired =
-      pipeline::acquire_into(description, folder / "recording.csv", folder / "acquisition-report.json");
-  fmt::print("{}", acquired.text());
-  return acquired.passed() ? status : ExitStatus::failed;
+  const ExitStatus acquired =
+      acquire(options, hil::table_of(session, hil::StreamKind::force, options.force, "--force"),
+              hil::table_of(session, hil::StreamKind::motion, options.motion, "--motion"),
+              {"--out", folder / "recording.csv", "--json", folder / "acquisition-report.json"});
+  return acquired == ExitStatus::passed ? status : acquired;
 }
 
 }  // namespace

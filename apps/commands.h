@@ -9,7 +9,6 @@
 
 namespace touchstone::apps {
 
-void add_acquire(CLI::App& program, Run& run);
 void add_bisect(CLI::App& program, Run& run);
 void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
@@ -42,7 +41,6 @@ inline std::vector<AddCommand> light_commands() {
 // clang-format off
 inline std::vector<AddCommand> commands() {
   return {
-      add_acquire,
       add_bisect,
       add_check,
       add_compare,

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <mutex>
 
+#include "acquire_command.h"
 #include "apps/evaluation_flags.h"
 #include "apps/program.h"
 #include "apps/python/module.h"
@@ -70,8 +71,8 @@ class ProtectedInputs {
 // The program's, and those of the extras that have a function of the package.
 std::vector<AddCommand> all_commands() {
   std::vector<AddCommand> all = commands();
-  all.insert(all.end(), {axis::add_axis, board::add_leaderboard, dashboard::add_dashboard, dashboard::add_history,
-                         studies::add_atlas, studies::add_sweep, tool::add_tool});
+  all.insert(all.end(), {acquisition::add_acquire, axis::add_axis, board::add_leaderboard, dashboard::add_dashboard,
+                         dashboard::add_history, studies::add_atlas, studies::add_sweep, tool::add_tool});
   return all;
 }
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <optional>
 
-#include "harness/acquisition/raw_table.h"
 #include "harness/base/error.h"
+#include "harness/recording/raw_table.h"
 #include "harness/recording/recording_file.h"
 
 namespace touchstone::axis {
@@ -44,7 +44,7 @@ AxisInput pressed_along_z(const std::string& path) {
 }  // namespace
 
 AxisInput load_axis(const std::string& path, bool flip_force) {
-  const acquisition::RawTable table(path);
+  const recording::RawTable table(path);
   std::optional<AxisInput> input;
   for (const AxisColumns& columns : axis_columns()) {
     if (!table.has(columns.place) || !table.has(columns.load)) continue;

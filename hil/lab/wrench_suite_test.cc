@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "harness/acquisition/tool_load.h"
 #include "harness/base/random.h"
 #include "harness/base/rotations.h"
+#include "harness/recording/tool_load.h"
 #include "hil/emulators/netft_emulator.h"
 #include "hil/lab/analysis.h"
 #include "hil/lab/force_experiments.h"
@@ -122,7 +122,7 @@ TEST_P(WrenchSensor, GravityOverOrientations) {
   TOUCHSTONE_JUDGE(found);
   open(found);
   constexpr double emulated_mass_kg = 0.05;
-  std::vector<acquisition::StaticPose> poses;
+  std::vector<recording::StaticPose> poses;
   std::vector<std::string> names;
   for (const int sign : {1, -1}) {
     for (int axis = 2; axis >= 0; --axis) {
