@@ -69,9 +69,11 @@ void add_discrepancy(CLI::App& program, Run& run) {
   const auto options = std::make_shared<DiscrepancyOptions>();
   command->add_option("--model", options->files.model,
                       "starting model (JSON); needed, but for a recording of one axis");
-  command->add_option("--mesh", options->files.mesh,
-                      "object: OBJ, OFF, PLY or STL; without it the half-space below z = 0, for recordings of "
-                      "force against displacement (x = y = 0, or a sliding way in x)");
+  command->add_option(
+      "--mesh", options->files.mesh,
+      "object: OBJ, OFF, PLY or STL; without it the half-space below z = 0, for recordings of "
+      "force against displacement (x = y = 0, or a sliding way in x); of a curve with another zero, below "
+      "where its contact begins");
   command->add_option("--mesh-unit", options->files.mesh_unit, "unit of the mesh: m, mm, cm or km")
       ->capture_default_str();
   command->add_flag("--repair", options->files.repair,

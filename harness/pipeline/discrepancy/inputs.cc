@@ -8,6 +8,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/units.h"
+#include "harness/pipeline/discrepancy/curve_zero.h"
 #include "harness/plugin/plugin.h"
 #include "harness/recording/recording_file.h"
 #include "harness/recording_checks/check_recording.h"
@@ -26,17 +27,26 @@ using recording::Recording;
 
 namespace {
 
-// Two triangles in z = 0 that reach far beyond the recording.
-surface::TriangleMesh half_space(const Recording& recording) {
+// Two triangles that reach far beyond the recording; `remarks` get a sentence if they do not lie in z = 0.
+surface::TriangleMesh half_space(const Recording& recording, std::vector<std::string>& remarks) {
   Box3 box;
   for (const Vec3& p : recording.motion.p_W_m) box.extend(p);
   const double half = 10.0 * std::max(box.diagonal().norm(), 1e-9);
-  const Vec3 c(box.center().x(), box.center().y(), 0.0);
+  const std::optional<CurveZero> zero = find_curve_zero(recording);
+  const Vec3 c(box.center().x(), box.center().y(), zero ? zero->z_W_m : 0.0);
   surface::TriangleMesh mesh;
   mesh.vertices_W_m = {c + Vec3(-half, -half, 0), c + Vec3(half, -half, 0), c + Vec3(half, half, 0),
                        c + Vec3(-half, half, 0)};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.source = "half-space below z = 0";
+  if (zero) {
+    mesh.source = fmt::format("half-space below z = {:.6g} mm", 1e3 * zero->z_W_m);
+    remarks.push_back(fmt::format(
+        "note: {}: a curve whose z counts from elsewhere: the surface is taken to lie at z = {:.6g} mm, where "
+        "the force of the first approach begins to rise, {:.3g} mm above its deepest point; --mesh gives "
+        "another surface",
+        recording.source, 1e3 * zero->z_W_m, 1e3 * zero->deepest_m));
+  }
   return mesh;
 }
 
@@ -116,7 +126,7 @@ DiscrepancyInputs load_inputs(const rendering::Catalogue& catalogue, const Discr
     flip_forces(inputs.train);
     if (inputs.holdout) flip_forces(*inputs.holdout);
   }
-  inputs.mesh = files.mesh.empty() ? half_space(inputs.train)
+  inputs.mesh = files.mesh.empty() ? half_space(inputs.train, inputs.remarks)
                                    : surface::load_mesh(files.mesh, length_unit_factor(files.mesh_unit));
   if (files.repair) {
     surface::OrientedMesh repaired = orient(inputs.mesh);
