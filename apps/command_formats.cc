@@ -12,6 +12,7 @@
 #include "harness/base/error.h"
 #include "harness/base/file_description.h"
 #include "harness/base/json_reader.h"
+#include "harness/base/json_schema.h"
 
 namespace touchstone::apps {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 struct FormatOptions {
   std::vector<std::string> names;
   std::vector<std::filesystem::path> explained, checked;
-  std::string as;
+  std::string as, json_schema;
   bool markdown = false, unseen = false;
 };
 
@@ -82,6 +83,10 @@ ExitStatus check_files(const std::vector<FileFormat>& all, const FormatOptions& 
 ExitStatus run_formats(const FormatOptions& options) {
   const std::vector<FileFormat> all = known_formats();
   if (!options.explained.empty() || !options.checked.empty()) return check_files(all, options);
+  if (!options.json_schema.empty()) {
+    fmt::print("{}\n", json_schema_of(find_format(all, options.json_schema, ""), all).dump(1));
+    return ExitStatus::passed;
+  }
   if (options.markdown) {
     for (const FileFormat& format : all) fmt::print("{}", format_markdown(format));
     return ExitStatus::passed;
@@ -107,11 +112,14 @@ void add_formats(CLI::App& program, Run& run) {
   command->add_option("--check", options->checked, "Say where these JSON files are not what their format says");
   command->add_option("--as", options->as, "Format of files without the key \"schema\"");
   command->add_flag("--unseen", options->unseen, "With --check: keys of their formats that none of the files has, too");
+  command->add_option("--json-schema", options->json_schema,
+                      "One format as JSON Schema (draft 2020-12): an editor completes and checks such files by it");
   command->add_flag("--markdown", options->markdown, "Everything, as docs/reference/formats.md has it");
   command->footer(
       "Exit status: 1 if a file is not what its format says.\n"
       "Examples:\n  touchstone formats\n  touchstone formats findings\n  touchstone formats --explain "
-      "evaluation/result.json\n  touchstone formats --explain timing.json --as replay-timing");
+      "evaluation/result.json\n  touchstone formats --explain timing.json --as replay-timing\n"
+      "  touchstone formats --json-schema golden-case > case.schema.json");
   command->callback([options, &run] { run = [options] { return run_formats(*options); }; });
 }
 
