@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-
-#include "apps/command.h"
+#include <memory>
 
 namespace touchstone::apps {
 using runs::CaseOptions;
@@ -39,6 +38,23 @@ void add_case_file_flags(CLI::App& command, CaseOptions& options, const std::str
   command.add_option("--cases", options.file, "Results (SQLite); a run that stopped goes on in it")
       ->default_str(without);
   command.add_flag("--any-build", options.any_build, "Go on with rows that another build of touchstone made");
+}
+
+void add_design_flags(CLI::App& command, Run& run, const std::string& formats, const RunDesign& run_design) {
+  struct Options {
+    std::string specification;
+    CaseOptions cases;
+  };
+  const auto options = std::make_shared<Options>();
+  command.add_option("SPEC", options->specification, formats + " (JSON); see docs/how-to/many-cases.md")->required();
+  command.add_option("--out", options->cases.file, "Results (SQLite); a run that stopped goes on in it")
+      ->default_str("SPEC with .sqlite");
+  add_case_flags(command, options->cases, "cases");
+  command.callback([options, &run, run_design] {
+    if (options->cases.file.empty())
+      options->cases.file = std::filesystem::path(options->specification).replace_extension(".sqlite").string();
+    run = [options, run_design] { return run_design(options->specification, options->cases); };
+  });
 }
 
 report::InputFile stored_rows(const runs::CaseStore& store, const CaseOptions& options) {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 
+#include "apps/command.h"
 #include "harness/report/provenance.h"
 #include "harness/runs/case_command.h"
 
@@ -14,6 +16,11 @@ namespace touchstone::apps {
 void add_case_flags(CLI::App& command, runs::CaseOptions& options, const std::string& cases);
 // --cases and --any-build: for commands that make a report of the rows.
 void add_case_file_flags(CLI::App& command, runs::CaseOptions& options, const std::string& without);
+
+// SPEC, --out and the options above, for a command that runs the cases of a design (harness/runs/design.h). `formats`:
+// of the SPEC. Without --out the results stand beside the SPEC.
+using RunDesign = std::function<ExitStatus(const std::string& specification, const runs::CaseOptions& options)>;
+void add_design_flags(CLI::App& command, Run& run, const std::string& formats, const RunDesign& run_design);
 
 // The rows that a report is made of, by their content hash.
 report::InputFile stored_rows(const runs::CaseStore& store, const runs::CaseOptions& options);

@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -14,20 +13,15 @@
 namespace touchstone::studies {
 namespace {
 
-struct SweepOptions {
-  std::string specification;
-  runs::CaseOptions cases;
-};
-
 // One of tools with a shape is the business of another extra, with the same options.
-std::optional<ExitStatus> swept_as_tools(const SweepOptions& options) {
-  const nlohmann::json document = load_json(options.specification);
+std::optional<ExitStatus> swept_as_tools(const std::string& specification) {
+  const nlohmann::json document = load_json(specification);
   if (!document.is_object() || document.value("schema", nlohmann::json()) != "touchstone-tool-sweep/1") {
     return std::nullopt;
   }
   const auto extra = apps::find_extra("tool");
   if (!extra) {
-    throw UsageError(options.specification +
+    throw UsageError(specification +
                      ": is a sweep of tools with a shape, which needs the extra `tool` (touchstone-tool), and it is "
                      "neither beside this program nor on PATH");
   }
@@ -35,17 +29,17 @@ std::optional<ExitStatus> swept_as_tools(const SweepOptions& options) {
   return run_extra_and_wait(*extra, {words.begin() + 1, words.end()});
 }
 
-ExitStatus sweep_command(const SweepOptions& options) {
-  if (const auto status = swept_as_tools(options)) return *status;
-  const runs::SweepDesign design(options.specification, sweep::sweep_parts());
+ExitStatus sweep_command(const std::string& specification, const runs::CaseOptions& options) {
+  if (const auto status = swept_as_tools(specification)) return *status;
+  const runs::SweepDesign design(specification, sweep::sweep_parts());
   sweep::SweepWorld world({renderers::built_in_catalogue(), synthetic::built_in_generators()}, design);
   runs::CaseCommand command;
   command.job = sweep::sweep_job(design, world);
   command.table = sweep::sweep_table(design);
-  command.words = {"sweep", std::filesystem::absolute(options.specification).string()};
+  command.words = {"sweep", std::filesystem::absolute(specification).string()};
   command.describe = [&](std::uint64_t number) { return design.at(number).document; };
   command.one_build = false;
-  return run_case_command(command, options.cases).status;
+  return run_case_command(command, options).status;
 }
 
 }  // namespace
@@ -53,15 +47,8 @@ ExitStatus sweep_command(const SweepOptions& options) {
 void add_sweep(CLI::App& program, apps::Run& run) {
   auto* const command = program.add_subcommand(
       "sweep", "Run many cases: a grid, list or Latin hypercube of surfaces, motions and models");
-  auto options = std::make_shared<SweepOptions>();
-  command
-      ->add_option("SPEC", options->specification,
-                   "touchstone-sweep/1 or, of tools with a shape, touchstone-tool-sweep/1 (JSON); see "
-                   "docs/how-to/many-cases.md")
-      ->required();
-  command->add_option("--out", options->cases.file, "Results (SQLite); a run that stopped goes on in it")
-      ->default_str("SPEC with .sqlite");
-  apps::add_case_flags(*command, options->cases, "cases");
+  apps::add_design_flags(*command, run, "touchstone-sweep/1 or, of tools with a shape, touchstone-tool-sweep/1",
+                         sweep_command);
   command->footer(
       "A case that fails is a row with its error. Exit status 1: cases are missing, or failed.\n"
       "Examples:\n"
@@ -69,11 +56,6 @@ void add_sweep(CLI::App& program, apps::Run& run) {
       "  touchstone sweep stiffness.json --shard 1/2 --out a.sqlite\n"
       "  touchstone sweep stiffness.json --merge a.sqlite b.sqlite --out all.sqlite --csv all.csv\n"
       "  touchstone sweep stiffness.json --engine slurm --tasks 200 --slurm-options=--partition=short --dry-run");
-  command->callback([options, &run] {
-    if (options->cases.file.empty())
-      options->cases.file = std::filesystem::path(options->specification).replace_extension(".sqlite").string();
-    run = [options] { return sweep_command(*options); };
-  });
 }
 
 }  // namespace touchstone::studies
