@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <tuple>
 
 #include "apps/mesh_flags.h"
 #include "apps/plugin_flags.h"
@@ -11,6 +14,7 @@
 #include "harness/base/input_files.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/nearness.h"
+#include "harness/report/ctest_measurement.h"
 #include "harness/report/page_html.h"
 #include "loop_report.h"
 #include "renderers/catalogue.h"
@@ -22,9 +26,14 @@ namespace {
 struct LoopOptions {
   SetupFlags setup;
   std::string model, mesh, mesh_unit = "m", path, out, json;
+  std::optional<double> least_margin, most_buzz_N, most_energy_J;
+  bool ctest = false;
   apps::MeshFlags meshes;
   apps::PluginFlags plugins;
 };
+
+// The larger; no number where one of them is none.
+double worse(double a, double b) { return a > b || std::isnan(a) ? a : b; }
 
 void check_options(const LoopOptions& options) {
   for (const auto& [name, value] : {std::pair{"--model", options.model},
@@ -33,6 +42,32 @@ void check_options(const LoopOptions& options) {
                                     {"--out", options.out}}) {
     if (value.empty()) throw UsageError(fmt::format("loop: {} is needed", name));
   }
+}
+
+// What a test holds of the loop, the worst of the masses: said to ctest where asked for, and each limit that does not
+// hold. A figure that is no number holds none.
+ExitStatus hold(const servo::LoopEvaluation& evaluation, const LoopOptions& options) {
+  double buzz_N = 0.0, energy_J = 0.0;
+  for (const servo::MassRun& run : evaluation.runs) {
+    buzz_N = worse(buzz_N, run.judgement.buzz.amplitude_N);
+    energy_J = worse(energy_J, run.judgement.energy_J);
+  }
+  if (options.ctest) {
+    fmt::print("{}{}{}", report::measurement("stable_margin", evaluation.stable_margin),
+               report::measurement("buzz_N", buzz_N), report::measurement("energy_J", energy_J));
+  }
+  bool holds = true;
+  const auto check = [&holds](const char* name, double value, const char* option, std::optional<double> limit,
+                              bool ok) {
+    if (!limit || ok) return;
+    fmt::print("{} is {:.4g}; {} {:g} does not hold\n", name, value, option, *limit);
+    holds = false;
+  };
+  const auto [margin, buzz, energy] = std::tuple{options.least_margin, options.most_buzz_N, options.most_energy_J};
+  check("stable_margin", evaluation.stable_margin, "--least-margin", margin, evaluation.stable_margin >= margin);
+  check("buzz_N", buzz_N, "--most-buzz", buzz, buzz_N <= buzz);
+  check("energy_J", energy_J, "--most-energy", energy, energy_J <= energy);
+  return holds ? ExitStatus::passed : ExitStatus::failed;
 }
 
 ExitStatus loop_command(const LoopOptions& options) {
@@ -64,7 +99,7 @@ ExitStatus loop_command(const LoopOptions& options) {
   fmt::print("{}\n", evaluation.sentence);
   for (const std::string& sentence : setup.assumed) fmt::print("assumed: {}\n", sentence);
   fmt::print("{}: report.html, result.json\n", options.out);
-  return ExitStatus::passed;
+  return hold(evaluation, options);
 }
 
 }  // namespace
@@ -91,15 +126,22 @@ void add_loop(CLI::App& program, apps::Run& run) {
       "it presses");
   command->add_option("--out", options->out, "Folder for report.html and result.json");
   command->add_option("--json", options->json, "Write result.json here too");
+  command->add_option("--least-margin", options->least_margin,
+                      "Fail if stable_margin is less: how many times as large the force may be and stay stable");
+  command->add_option("--most-buzz", options->most_buzz_N, "Fail if the loop buzzes with more [N]");
+  command->add_option("--most-energy", options->most_energy_J, "Fail if the device gives the hand more [J]");
+  command->add_flag("--ctest", options->ctest, "Print stable_margin, buzz_N and energy_J for ctest and CDash");
   options->plugins.add_to(*command);
   command->footer(
-      "Exit status 0 whatever the verdict; it is in result.json.\n"
+      "Exit status 0 whatever the verdict, which is in result.json; 1 if a limit that was asked for does not hold.\n"
       "Examples:\n"
       "  touchstone loop --device touch --grip light --model m.json --mesh o.obj --path scan.csv --out r\n"
       "  touchstone loop --device omega.3 --grip firm --set mass_kg=0.2 --set latency_s=0.001 --model m.json --mesh "
       "o.stl --mesh-unit mm --path scan.csv --out r\n"
       "  touchstone loop --device my-device.json --grip light --plugin ./libmine.so --model mine.json --mesh o.obj "
-      "--path scan.csv --out r");
+      "--path scan.csv --out r\n"
+      "  touchstone loop --device touch --grip light --model m.json --mesh o.obj --path scan.csv --out r --ctest "
+      "--least-margin 1.5 --most-buzz 0.05");
   command->callback([command, options, &run] {
     if (command->get_subcommands().empty()) run = [options] { return loop_command(*options); };
   });

@@ -51,6 +51,22 @@ TEST_F(LoopCommand, ASoftWallIsStableAndAStiffOneIsNot) {
   EXPECT_LT(result("stiff").at("stable_margin").get<double>(), 1.0);
 }
 
+// A wall that is judged stable and one that lost the device's damping: the same test passes, and fails by name.
+TEST_F(LoopCommand, LimitsFailATestAndFiguresGoToCtest) {
+  const std::string held = std::string(
+                               "--device touch --grip light --out r --ctest --least-margin 1.5 --most-buzz 0.05 "
+                               "--most-energy 0.01 ") +
+                           kExact;
+  const Outcome right = loop("soft.json", held);
+  EXPECT_EQ(right.status, 0) << right.out;
+  for (const char* const name : {"stable_margin", "buzz_N", "energy_J"})
+    EXPECT_THAT(right.out, HasSubstr(fmt::format("name=\"{}\"", name)));
+  const Outcome changed = loop("soft.json", held + " --set latency_s=0.02");
+  EXPECT_EQ(changed.status, 1) << changed.out;
+  EXPECT_THAT(changed.out, HasSubstr("--least-margin 1.5 does not hold"));
+  EXPECT_EQ(loop("soft.json", std::string("--out r --most-buzz nan ") + kExact).status, 1);
+}
+
 TEST_F(LoopCommand, RepeatsToTheByteButForTheTimeThatItTook) {
   std::vector<nlohmann::json> results;
   for (const char* out : {"one", "two"}) {
