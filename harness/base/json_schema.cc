@@ -36,11 +36,12 @@ class Schema {
     return of(root);
   }
 
-  // The fields below an object, by key; "*" is every other.
+  // The fields below an object; the key "*" is every other.
   struct Node {
+    std::string key;
     const FormatField* field = nullptr;
     bool optional = false;
-    std::vector<std::pair<std::string, Node>> below;
+    std::vector<Node> below;
   };
 
   // Paths are from the object: "gap.train.before", "metrics[].name", "models.*"; "?" at the end.
@@ -53,8 +54,8 @@ class Schema {
       std::string key(path.substr(0, dot));
       path = dot == std::string_view::npos ? "" : path.substr(dot + 1);
       if (key.ends_with("[]")) key.resize(key.size() - 2);
-      const auto found = std::ranges::find(at->below, key, &std::pair<std::string, Node>::first);
-      at = found == at->below.end() ? &at->below.emplace_back(key, Node{}).second : &found->second;
+      const auto found = std::ranges::find(at->below, key, &Node::key);
+      at = found == at->below.end() ? &at->below.emplace_back(Node{key, nullptr, false, {}}) : &*found;
     }
     at->field = &field;
     at->optional = optional;
@@ -65,13 +66,13 @@ class Schema {
     json schema{{"type", "object"}};
     if (node.below.empty()) return schema;
     schema["additionalProperties"] = false;
-    for (const auto& [key, child] : node.below) {
-      if (key == "*") {
+    for (const Node& child : node.below) {
+      if (child.key == "*") {
         schema["additionalProperties"] = value(child);
         continue;
       }
-      schema["properties"][key] = value(child);
-      if (!child.optional) schema["required"].push_back(key);
+      schema["properties"][child.key] = value(child);
+      if (!child.optional) schema["required"].push_back(child.key);
     }
     if (!schema.contains("properties")) schema["properties"] = json::object();
     return schema;
