@@ -91,6 +91,14 @@ inline Fault filtered(double time_constant_s) {
           }};
 }
 
+// Goes on in the air when the surface is left.
+inline Fault fades(double time_constant_s) {
+  return {fmt::format("fades with {:g} s", time_constant_s), "filter", {}, [=](auto& r, auto& tip, auto& m) {
+            const double share = m.since_reset == 0 ? 1.0 : -std::expm1(-(tip.t_s - m.last_t_s) / time_constant_s);
+            r.f_W_N = m.kept.f_W_N += share * (r.f_W_N - m.kept.f_W_N);
+          }};
+}
+
 // Two low-pass filters one behind the other.
 inline Fault filtered_twice(double time_constant_s) {
   return {fmt::format("filtered twice by {:g} s", time_constant_s), "filter", {}, [=](auto& r, auto& tip, auto& m) {
@@ -215,6 +223,7 @@ inline std::vector<Fault> of_the_force() {
       now_and_then(80),
       filtered(1e-3),
       filtered(5e-3),
+      fades(4e-3),
       filtered_twice(3e-3),
       mean_over(2),
       mean_over(6),
@@ -283,6 +292,9 @@ inline std::vector<Fault> of_the_force() {
                     if (!r.contact && m.kept.contact) r.f_W_N = 0.2 * m.kept.f_W_N;
                     m.kept = now;
                   }});
+  list.push_back({"begins 40 um late, whatever the unit", "gap-at-contact", {}, [](auto& r, auto& tip, auto&) {
+                    if (r.contact && r.depth_m < 4e-5) nothing_there(r, tip);
+                  }});
   list.push_back({"doubles the depth it gives", "standoff", {}, [](auto& r, auto&, auto&) { r.depth_m *= 2.0; }});
   list.push_back({"constant force", "gap-at-contact", {}, [](auto& r, auto&, auto&) {
                     if (r.contact) r.f_W_N = 5.0 * r.n_W;
@@ -291,10 +303,22 @@ inline std::vector<Fault> of_the_force() {
                     if (!r.contact && tip.p_W_m.z() == 0.0 && tip.p_W_m.x() > 0.0)
                       r.f_W_N = 480.0 / m.unit * Vec3(tip.p_W_m);
                   }});
+  list.push_back({"nothing in the middle between two faces", "tie-break", {}, [](auto& r, auto& tip, auto& m) {
+                    const auto bounds = m.surface->mesh()->bounds();
+                    const double middle_m = 0.5 * (bounds.min().z() + bounds.max().z());
+                    if (r.contact && std::abs(tip.p_W_m.z() - middle_m) < 1e-12 * m.unit) nothing_there(r, tip);
+                  }});
   list.push_back({"lost 2.5 mm deep", "falls-through-block", {}, [](auto& r, auto& tip, auto& m) {
                     if (r.depth_m > 2.5e-3 * m.unit) nothing_there(r, tip);
                   }});
   return list;
+}
+
+// The way from the centre of a ball to the nearest point has no direction where the centre is on the surface.
+inline Fault lost_on_the_surface() {
+  return {"lost where its centre is on the surface", "tie-break", {}, [](auto& r, auto& tip, auto&) {
+            if (r.contact && tip.p_W_m.z() == 0.0) nothing_there(r, tip);
+          }};
 }
 
 // Where its normal turns by more than 0.2 rad from sample to sample, it does so 12 samples later.
