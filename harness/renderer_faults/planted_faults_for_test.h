@@ -213,6 +213,8 @@ inline std::vector<Fault> of_the_force() {
       late(1),
       late(3),
       late(8),
+      late(31),
+      late(113),
       held(16),
       held(1000.0 / 60.0),
       held(4),

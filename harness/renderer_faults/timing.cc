@@ -25,10 +25,13 @@ constexpr std::size_t kFrom = 64;            // samples that are only remembered
 constexpr double kShallow_m = 2e-4;
 constexpr double kDeep_m = 1e-3;
 
-// The normal force once it no longer changes: over 128 samples by less than a ten thousandth of the load. What never
-// comes to rest is read as the median of the last ones.
-double settled_N(Probe& probe, double depth_m, const Vec3& along, double load_N) {
-  constexpr std::size_t window = 128;
+// Longer lags are one number of samples for all, up to this time.
+constexpr double kLongestLag_s = 0.04;
+
+// The normal force once it no longer changes: over 128 samples, or the longest lag, by less than a ten thousandth of
+// the load. What never comes to rest is read as the median of the last ones.
+double settled_N(Probe& probe, double depth_m, const Vec3& along, double load_N, double rate_Hz) {
+  const auto window = std::max<std::size_t>(128, static_cast<std::size_t>(kLongestLag_s * rate_Hz) + 1);
   constexpr int most_windows = 24;
   std::vector<double> last(window);
   for (int i = 0; i < most_windows; ++i) {
@@ -72,7 +75,7 @@ Response response_to_jumps(const Engine& engine) {
   probe.approach(kPlace, Vec3::UnitZ(), kShallow_m);
   std::vector<double> settled(kLevels);
   for (std::size_t level = 0; level < kLevels; ++level)
-    settled[level] = settled_N(probe, depth_m(level), along, load_N);
+    settled[level] = settled_N(probe, depth_m(level), along, load_N, engine.rate_Hz);
   Response response;
   const auto [low, high] = std::ranges::minmax(settled);
   response.spacing_N = (high - low) / (kLevels - 1);
@@ -89,8 +92,6 @@ Response response_to_jumps(const Engine& engine) {
   }
   return response;
 }
-
-double in_ms(const Engine& engine, double samples) { return 1e3 * samples / engine.rate_Hz; }
 
 // Held answers: the samples of an update, and the period if they have one.
 std::optional<Timing> find_hold(const Engine& engine, const Response& response) {
@@ -169,8 +170,7 @@ double share_of(const std::vector<int>& lags, int lag) {
 // The shortest period after which 98 % of the late samples are as late again; 0: there is none.
 std::size_t period_of(const std::vector<int>& lags) {
   for (std::size_t period = 2; period <= kLongestPeriod; ++period) {
-    std::size_t late = 0;
-    std::size_t again = 0;
+    std::size_t late = 0, again = 0;
     for (std::size_t i = period; i < lags.size(); ++i) {
       if (lags[i] <= 0) continue;
       ++late;
@@ -181,8 +181,14 @@ std::size_t period_of(const std::vector<int>& lags) {
   return 0;
 }
 
-std::string late_sentence(const Engine& engine, double lag) {
-  return fmt::format("the force is {:g} sample{} late ({:.3g} ms)", lag, lag == 1.0 ? "" : "s", in_ms(engine, lag));
+Timing delayed(const Engine& engine, double lag, const std::string& more = "") {
+  Timing timing;
+  timing.kind = TimingKind::delay;
+  timing.lag_samples = lag;
+  timing.settle_samples = static_cast<int>(2.0 * lag) + 1;
+  timing.what = fmt::format("the force is {:g} sample{} late ({:.3g} ms){}", lag, lag == 1.0 ? "" : "s",
+                            1e3 * lag / engine.rate_Hz, more);
+  return timing;
 }
 
 // What the lags say; nothing if too many samples have none.
@@ -194,11 +200,7 @@ std::optional<Timing> by_lags(const Engine& engine, const std::vector<int>& lags
   timing.settle_samples = 2 * largest + 1;
   if (largest <= 0) return timing;
   for (int lag = 1; lag <= largest; ++lag) {
-    if (share_of(lags, lag) < 0.98) continue;
-    timing.kind = TimingKind::delay;
-    timing.lag_samples = lag;
-    timing.what = late_sentence(engine, lag);
-    return timing;
+    if (share_of(lags, lag) >= 0.98) return delayed(engine, lag);
   }
   const double late = 1.0 - share_of(lags, 0) - share_of(lags, -1);
   if (const std::size_t period = period_of(lags); period > 0) {
@@ -213,6 +215,19 @@ std::optional<Timing> by_lags(const Engine& engine, const std::vector<int>& lags
   timing.what = fmt::format("{:.2g} % of the samples are late, by up to {} sample{}, without a period", 100.0 * late,
                             largest, largest == 1 ? "" : "s");
   return timing;
+}
+
+// One lag beyond those within which no depth comes twice: another one is right by chance in every thirtieth sample.
+std::optional<Timing> by_long_lag(const Engine& engine, const Response& response) {
+  constexpr std::size_t compared = 1000;
+  const auto longest = std::max<std::size_t>(128, static_cast<std::size_t>(kLongestLag_s * engine.rate_Hz));
+  for (std::size_t lag = kMemory; lag <= std::min(longest, kSteps - compared); ++lag) {
+    std::size_t right = 0;
+    for (std::size_t i = kSteps - compared; i < kSteps; ++i)
+      right += std::abs(response.force_N[i] - response.settled_N[i - lag]) <= 0.25 * response.spacing_N ? 1U : 0U;
+    if (50 * right >= 49 * compared) return delayed(engine, static_cast<double>(lag));
+  }
+  return std::nullopt;
 }
 
 std::optional<Timing> find_clipped(const std::vector<double>& change_N, double load_N) {
@@ -267,12 +282,9 @@ Timing by_filter(const Engine& engine, const Response& response) {
   // At once at least the settled force: damping, relaxation.
   constexpr double at_once = 0.95;
   if (arx->b[0] >= at_once) {
+    if (arx->dead > 0) return delayed(engine, arx->dead, ", and damped or relaxing then");
     timing.kind = TimingKind::viscous;
-    timing.settle_samples = 2 * arx->dead + (arx->dead == 0 ? 2 : 1);
-    if (arx->dead == 0) return timing;
-    timing.kind = TimingKind::delay;
-    timing.lag_samples = arx->dead;
-    timing.what = late_sentence(engine, timing.lag_samples) + ", and damped or relaxing then";
+    timing.settle_samples = 2;
     return timing;
   }
   // Above what other detectors count as no memory.
@@ -300,11 +312,9 @@ void by_variance(const Engine& engine, const Response& response, Timing& timing)
   }
   const auto least = static_cast<std::size_t>(std::ranges::min_element(left) - left.begin());
   if (least == 0 || !(left[least] < 0.5 * left[0])) return;
-  timing.kind = TimingKind::delay;
-  timing.lag_samples = static_cast<double>(least);
-  timing.settle_samples = static_cast<int>(2 * least + kMemory);
-  timing.what = late_sentence(engine, timing.lag_samples) +
-                fmt::format(", and not by this alone: {:.2g} of the error is left", left[least] / left[0]);
+  timing = delayed(engine, static_cast<double>(least),
+                   fmt::format(", and not by this alone: {:.2g} of the error is left", left[least] / left[0]));
+  timing.settle_samples += static_cast<int>(kMemory);
 }
 
 // Up and down at 2 m/s, and by 2 mm a sample at least, up to 10 N.
@@ -413,19 +423,14 @@ Timing with_slides(const Engine& engine) {
   if (engine.friction > 0.0) return with_friction(engine).value_or(timing);
   if (most_N <= allowed_N) return timing;
   for (std::size_t lag = 1; lag < kMemory; ++lag) {
-    double off = 0.0;
-    double all = 0.0;
+    double off = 0.0, all = 0.0;
     for (std::size_t i = kFrom; i < steps; ++i) {
       const double late_N = engine.stiffness_N_per_m * (x_m[i - lag] - x_m[i]);
       off += (sideways_N[i] - late_N) * (sideways_N[i] - late_N);
       all += sideways_N[i] * sideways_N[i];
     }
-    if (off > 0.02 * all) continue;
-    timing.kind = TimingKind::delay;
-    timing.lag_samples = static_cast<double>(lag);
-    timing.settle_samples = static_cast<int>(2 * lag + 1);
-    timing.what = late_sentence(engine, timing.lag_samples) + " while the tip slides: it springs to an earlier place";
-    return timing;
+    if (off <= 0.02 * all)
+      return delayed(engine, static_cast<double>(lag), " while the tip slides: it springs to an earlier place");
   }
   return timing;
 }
@@ -435,6 +440,8 @@ Timing timing_of(const Engine& engine, const Response& response) {
   Timing timing;
   if (auto late = by_lags(engine, lags_of(response))) {
     timing = *late;
+  } else if (auto later = by_long_lag(engine, response)) {
+    return *later;
   } else {
     std::vector<double> change_N;
     for (std::size_t i = kFrom; i < kSteps; ++i) change_N.push_back(response.force_N[i] - response.force_N[i - 1]);
