@@ -208,6 +208,36 @@ inline Fault damper(double coefficient_N_s_per_m) {
           }};
 }
 
+// Where contact begins and ends, and where the tip is in a body.
+inline std::vector<Fault> of_the_contact() {
+  std::vector<Fault> list;
+  list.push_back({"lingers for a sample", "gap-at-contact", {}, [](auto& r, auto&, auto& m) {
+                    const StepResult now = r;
+                    if (!r.contact && m.kept.contact) r.f_W_N = 0.2 * m.kept.f_W_N;
+                    m.kept = now;
+                  }});
+  list.push_back({"begins 40 um late, whatever the unit", "gap-at-contact", {}, [](auto& r, auto& tip, auto&) {
+                    if (r.contact && r.depth_m < 4e-5) nothing_there(r, tip);
+                  }});
+  list.push_back({"doubles the depth it gives", "standoff", {}, [](auto& r, auto&, auto&) { r.depth_m *= 2.0; }});
+  list.push_back({"constant force", "gap-at-contact", {}, [](auto& r, auto&, auto&) {
+                    if (r.contact) r.f_W_N = 5.0 * r.n_W;
+                  }});
+  list.push_back({"a force in the plane of a wall", "tie-break", {}, [](auto& r, auto& tip, auto& m) {
+                    if (!r.contact && tip.p_W_m.z() == 0.0 && tip.p_W_m.x() > 0.0)
+                      r.f_W_N = 480.0 / m.unit * Vec3(tip.p_W_m);
+                  }});
+  list.push_back({"nothing in the middle between two faces", "tie-break", {}, [](auto& r, auto& tip, auto& m) {
+                    const auto bounds = m.surface->mesh()->bounds();
+                    const double middle_m = 0.5 * (bounds.min().z() + bounds.max().z());
+                    if (r.contact && std::abs(tip.p_W_m.z() - middle_m) < 1e-12 * m.unit) nothing_there(r, tip);
+                  }});
+  list.push_back({"lost 2.5 mm deep", "falls-through-block", {}, [](auto& r, auto& tip, auto& m) {
+                    if (r.depth_m > 2.5e-3 * m.unit) nothing_there(r, tip);
+                  }});
+  return list;
+}
+
 inline std::vector<Fault> of_the_force() {
   std::vector<Fault> list{
       late(1),
@@ -289,30 +319,7 @@ inline std::vector<Fault> of_the_force() {
   list.push_back({"damped by the sample", "rate-dependent", {}, [](auto& r, auto& tip, auto& m) {
                     r.f_W_N += damped_N(r, tip, m, 50.0) * (tip.t_s - m.last_t_s) * r.n_W;
                   }});
-  list.push_back({"lingers for a sample", "gap-at-contact", {}, [](auto& r, auto&, auto& m) {
-                    const StepResult now = r;
-                    if (!r.contact && m.kept.contact) r.f_W_N = 0.2 * m.kept.f_W_N;
-                    m.kept = now;
-                  }});
-  list.push_back({"begins 40 um late, whatever the unit", "gap-at-contact", {}, [](auto& r, auto& tip, auto&) {
-                    if (r.contact && r.depth_m < 4e-5) nothing_there(r, tip);
-                  }});
-  list.push_back({"doubles the depth it gives", "standoff", {}, [](auto& r, auto&, auto&) { r.depth_m *= 2.0; }});
-  list.push_back({"constant force", "gap-at-contact", {}, [](auto& r, auto&, auto&) {
-                    if (r.contact) r.f_W_N = 5.0 * r.n_W;
-                  }});
-  list.push_back({"a force in the plane of a wall", "tie-break", {}, [](auto& r, auto& tip, auto& m) {
-                    if (!r.contact && tip.p_W_m.z() == 0.0 && tip.p_W_m.x() > 0.0)
-                      r.f_W_N = 480.0 / m.unit * Vec3(tip.p_W_m);
-                  }});
-  list.push_back({"nothing in the middle between two faces", "tie-break", {}, [](auto& r, auto& tip, auto& m) {
-                    const auto bounds = m.surface->mesh()->bounds();
-                    const double middle_m = 0.5 * (bounds.min().z() + bounds.max().z());
-                    if (r.contact && std::abs(tip.p_W_m.z() - middle_m) < 1e-12 * m.unit) nothing_there(r, tip);
-                  }});
-  list.push_back({"lost 2.5 mm deep", "falls-through-block", {}, [](auto& r, auto& tip, auto& m) {
-                    if (r.depth_m > 2.5e-3 * m.unit) nothing_there(r, tip);
-                  }});
+  for (const Fault& fault : of_the_contact()) list.push_back(fault);
   return list;
 }
 

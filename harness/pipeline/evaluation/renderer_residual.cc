@@ -218,15 +218,16 @@ std::optional<Found> find_hold(const Residual& r) {
   const auto alike = std::ranges::count_if(lengths, [&](double n) { return std::abs(n - usual) <= 1.0; });
   if (usual < 2.0 || static_cast<double>(alike) < most_of_them * static_cast<double>(lengths.size()))
     return std::nullopt;
-  // Mended: from one change to the next in a line.
-  std::vector<Vec3> mended = r.rendered_;
+  // Repaired: from one change to the next in a line.
+  std::vector<Vec3> repaired = r.rendered_;
   for (std::size_t k = 1; k < changes.size(); ++k) {
     const std::size_t from = changes[k - 1], to = changes[k];
     if (static_cast<double>(to - from) > usual + 1.0) continue;
     for (std::size_t i = from; i < to; ++i)
-      mended[i] += static_cast<double>(i - from) / static_cast<double>(to - from) * (r.rendered_[to] - mended[from]);
+      repaired[i] +=
+          static_cast<double>(i - from) / static_cast<double>(to - from) * (r.rendered_[to] - repaired[from]);
   }
-  const double left = r.left({0, r.size()}, [&](std::size_t i) { return mended[i]; });
+  const double left = r.left({0, r.size()}, [&](std::size_t i) { return repaired[i]; });
   double sum = 0.0;
   for (const double n : lengths) sum += n;
   const double mean = sum / static_cast<double>(lengths.size());
