@@ -50,16 +50,32 @@ inline Fault alternate(std::size_t period) {
 }
 
 // The contact point of the sample before, the spring to the tip of now.
-inline Fault alternate_contact() {
-  return {"contact point late in turns", "alternate-lag", {}, [](auto& r, auto& tip, auto& m) {
+inline Fault alternate_contact(std::size_t one_in) {
+  return {fmt::format("contact point of one in {} late", one_in),
+          "alternate-lag",
+          {},
+          [one_in](auto& r, auto& tip, auto& m) {
             const StepResult now = r;
-            if (m.since_reset % 2 == 1) {
+            if (m.since_reset % one_in == one_in - 1) {
               r = m.kept;
               if (r.contact) r.f_W_N = 500.0 / m.unit * (r.contact_W_m - tip.p_W_m);
               at_this_tip(r, tip);
             }
             m.kept = now;
           }};
+}
+
+// A proxy that is updated less often than the spring between it and the tip.
+inline Fault held_contact(double samples) {
+  return {
+      fmt::format("contact point held for {:g}", samples), "held-answer", {}, [samples](auto& r, auto& tip, auto& m) {
+        const auto update = [&](std::size_t i) { return std::floor(static_cast<double>(i) / samples); };
+        if (m.since_reset == 0 || update(m.since_reset) != update(m.since_reset - 1)) m.kept = r;
+        r = m.kept;
+        if (r.contact) r.f_W_N = 500.0 / m.unit * (r.contact_W_m - tip.p_W_m);
+        r.depth_m = std::max(0.0, r.n_W.dot(r.contact_W_m - tip.p_W_m));
+        at_this_tip(r, tip);
+      }};
 }
 
 // One in so many answers, at random, is that of the sample before.

@@ -12,6 +12,7 @@
 #include "harness/renderer_faults/arx.h"
 #include "harness/renderer_faults/other_engines.h"
 #include "harness/renderer_faults/probe.h"
+#include "harness/renderer_faults/sliding_timing.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::renderer_faults {
@@ -181,16 +182,6 @@ std::size_t period_of(const std::vector<int>& lags) {
   return 0;
 }
 
-Timing delayed(const Engine& engine, double lag, const std::string& more = "") {
-  Timing timing;
-  timing.kind = TimingKind::delay;
-  timing.lag_samples = lag;
-  timing.settle_samples = static_cast<int>(2.0 * lag) + 1;
-  timing.what = fmt::format("the force is {:g} sample{} late ({:.3g} ms){}", lag, lag == 1.0 ? "" : "s",
-                            1e3 * lag / engine.rate_Hz, more);
-  return timing;
-}
-
 // What the lags say; nothing if too many samples have none.
 std::optional<Timing> by_lags(const Engine& engine, const std::vector<int>& lags) {
   Timing timing;
@@ -357,84 +348,6 @@ std::optional<Timing> with_large_jumps(const Engine& engine) {
   return find_clipped(change_N, engine.stiffness_N_per_m * deep_m);
 }
 
-Timing every_second_late(double more_N, const std::string& how) {
-  Timing timing;
-  timing.kind = TimingKind::alternate;
-  timing.lag_samples = 1.0;
-  timing.period_samples = 2.0;
-  timing.settle_samples = 3;
-  timing.what = fmt::format(
-      "every second answer is late while the tip slides: its contact point is that of an earlier sample, which pulls "
-      "sideways by {:.3g} N {}, and not once the tip rests",
-      more_N, how);
-  return timing;
-}
-
-// With friction, which takes what is sideways up to its cone: the contact point of the sample before pulls beyond the
-// cone, if the steps are as long as twice what the cone holds.
-std::optional<Timing> with_friction(const Engine& engine) {
-  const double step_m = std::max(2.0 * engine.friction * kDepth_m, 3.0 * engine.epsilon_m);
-  constexpr double way_m = 0.03;
-  constexpr int least_steps = 20;
-  const int steps = static_cast<int>(way_m / step_m);
-  if (steps < least_steps) return std::nullopt;
-  Probe probe(engine, level_block());
-  const Vec3 start = kPlace - Vec3(0.5 * way_m, 0.0, 0.0);
-  probe.approach(start, Vec3::UnitZ(), kDepth_m);
-  std::array<double, 2> share{};  // of the load, in the even and the odd samples of the second half
-  const int counted = steps / 4;
-  for (int i = 0; i < steps; ++i) {
-    const Vec3 now_N = probe.press(start + Vec3(i * step_m, 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N;
-    if (i >= steps - 2 * counted) share[static_cast<std::size_t>(i % 2)] += std::abs(now_N.x()) / now_N.z() / counted;
-  }
-  const auto [low, high] = std::minmax(share[0], share[1]);
-  if (!(high > 1.5 * engine.friction && low < 1.1 * engine.friction)) return std::nullopt;
-  return every_second_late((high - engine.friction) * engine.stiffness_N_per_m * kDepth_m, "beyond its friction");
-}
-
-// Sideways forces of a tip that slides to and fro at one depth.
-Timing with_slides(const Engine& engine) {
-  constexpr std::size_t steps = 1200;
-  // Moves of less than its epsilon are none to the engine.
-  const double largest_step_m = std::max(4e-5, 3.0 * engine.epsilon_m);
-  const double reach_m = 25.0 * largest_step_m;
-  Probe probe(engine, level_block());
-  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
-  Random random(212);
-  std::vector<double> x_m{0.0};
-  std::vector<double> sideways_N{0.0};
-  for (std::size_t i = 1; i < steps; ++i) {
-    x_m.push_back(std::clamp(x_m.back() + largest_step_m * random.uniform(-1.0, 1.0), -reach_m, reach_m));
-    sideways_N.push_back(probe.press(kPlace + Vec3(x_m.back(), 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N.x());
-  }
-  const double allowed_N = engine.stiffness_N_per_m * (2e-3 * kDepth_m + engine.epsilon_m);
-  Timing timing;
-  // Periods beyond the second are not tried: one late answer in many leaves the others right.
-  std::array<double, 2> rms_N{};
-  for (std::size_t i = kFrom; i < steps; ++i) rms_N[i % 2] += sideways_N[i] * sideways_N[i];
-  for (double& one : rms_N) one = std::sqrt(2.0 * one / static_cast<double>(steps - kFrom));
-  const double most_N = std::max(rms_N[0], rms_N[1]);
-  const double least_N = std::min(rms_N[0], rms_N[1]);
-  // An epsilon is the same in both: it does not count here.
-  constexpr double clearly = 3.0;
-  if (most_N > engine.stiffness_N_per_m * 2e-3 * kDepth_m && most_N > clearly * least_N) {
-    return every_second_late(most_N, fmt::format("rms ({:.2g} N in the others)", least_N));
-  }
-  if (engine.friction > 0.0) return with_friction(engine).value_or(timing);
-  if (most_N <= allowed_N) return timing;
-  for (std::size_t lag = 1; lag < kMemory; ++lag) {
-    double off = 0.0, all = 0.0;
-    for (std::size_t i = kFrom; i < steps; ++i) {
-      const double late_N = engine.stiffness_N_per_m * (x_m[i - lag] - x_m[i]);
-      off += (sideways_N[i] - late_N) * (sideways_N[i] - late_N);
-      all += sideways_N[i] * sideways_N[i];
-    }
-    if (off <= 0.02 * all)
-      return delayed(engine, static_cast<double>(lag), " while the tip slides: it springs to an earlier place");
-  }
-  return timing;
-}
-
 Timing timing_of(const Engine& engine, const Response& response) {
   if (auto held = find_hold(engine, response)) return *held;
   Timing timing;
@@ -451,12 +364,22 @@ Timing timing_of(const Engine& engine, const Response& response) {
   if (timing.kind == TimingKind::exact || timing.kind == TimingKind::unclear) {
     if (auto clipped = with_large_jumps(engine)) return *clipped;
   }
-  if (timing.kind == TimingKind::exact) timing = with_slides(engine);
+  if (timing.kind == TimingKind::exact) timing = timing_of_slides(engine);
   if (timing.kind == TimingKind::unclear) by_variance(engine, response, timing);
   return timing;
 }
 
 }  // namespace
+
+Timing delayed(const Engine& engine, double lag, const std::string& more) {
+  Timing timing;
+  timing.kind = TimingKind::delay;
+  timing.lag_samples = lag;
+  timing.settle_samples = static_cast<int>(2.0 * lag) + 1;
+  timing.what = fmt::format("the force is {:g} sample{} late ({:.3g} ms){}", lag, lag == 1.0 ? "" : "s",
+                            1e3 * lag / engine.rate_Hz, more);
+  return timing;
+}
 
 std::string Timing::fault() const {
   if (declared) return "";

@@ -12,7 +12,7 @@
 //              at once: Kelvin-Voigt has a = 0, b_0 = 1 + b / (k T), b_1 = -b / (k T); behind a dead time it is late,
 //              too
 //   clipped    |F_i - F_(i-1)| is never above one figure, which many steps have; also with steps of 2 mm and up to 10 N
-// A contact point that is late shows only while the tip slides: the force pulls sideways to where the tip was.
+// A contact point that is late or held shows only while the tip slides (sliding_timing.h).
 #pragma once
 
 #include <cstdint>
@@ -49,6 +49,9 @@ struct Timing {
   // The name of the fault; empty where there is none or it is declared.
   [[nodiscard]] std::string fault() const;
 };
+
+// Every answer is `lag` samples late; `more` ends the sentence.
+Timing delayed(const Engine& engine, double lag, const std::string& more = "");
 
 // Throws what making the renderer throws, and RendererFailed.
 Timing identify_timing(const Engine& engine);
