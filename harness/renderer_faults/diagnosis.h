@@ -34,7 +34,7 @@
 //   standoff                the surface contact point floats above the surface
 //   gap-at-contact          contact begins later or earlier than at the surface, or with a jump of force
 //   late-contact            it begins later, by no more than the engine declares: said, and no fault
-//   tie-break               exactly in the plane of a wall, or as deep behind two, another answer than beside it
+//   tie-break               exactly in a wall's plane, or as deep behind two, another answer than beside it
 //   noise                   the force changes while the tip rests, or saws while it slides over a plane
 //   allocation              a step allocates memory
 //   state-after-reset       a run after reset() is not the run of a new renderer

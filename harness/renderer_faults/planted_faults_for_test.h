@@ -50,16 +50,32 @@ inline Fault alternate(std::size_t period) {
 }
 
 // The contact point of the sample before, the spring to the tip of now.
-inline Fault alternate_contact() {
-  return {"contact point late in turns", "alternate-lag", {}, [](auto& r, auto& tip, auto& m) {
+inline Fault alternate_contact(std::size_t one_in) {
+  return {fmt::format("contact point of one in {} late", one_in),
+          "alternate-lag",
+          {},
+          [one_in](auto& r, auto& tip, auto& m) {
             const StepResult now = r;
-            if (m.since_reset % 2 == 1) {
+            if (m.since_reset % one_in == one_in - 1) {
               r = m.kept;
               if (r.contact) r.f_W_N = 500.0 / m.unit * (r.contact_W_m - tip.p_W_m);
               at_this_tip(r, tip);
             }
             m.kept = now;
           }};
+}
+
+// A proxy that is updated less often than the spring between it and the tip.
+inline Fault held_contact(double samples) {
+  return {
+      fmt::format("contact point held for {:g}", samples), "held-answer", {}, [samples](auto& r, auto& tip, auto& m) {
+        const auto update = [&](std::size_t i) { return std::floor(static_cast<double>(i) / samples); };
+        if (m.since_reset == 0 || update(m.since_reset) != update(m.since_reset - 1)) m.kept = r;
+        r = m.kept;
+        if (r.contact) r.f_W_N = 500.0 / m.unit * (r.contact_W_m - tip.p_W_m);
+        r.depth_m = std::max(0.0, r.n_W.dot(r.contact_W_m - tip.p_W_m));
+        at_this_tip(r, tip);
+      }};
 }
 
 // One in so many answers, at random, is that of the sample before.
@@ -88,6 +104,14 @@ inline Fault filtered(double time_constant_s) {
             m.kept.f_W_N += (m.since_reset == 0 ? 1.0 : share) * (r.f_W_N - m.kept.f_W_N);
             if (!r.contact) m.kept.f_W_N.setZero();
             r.f_W_N = m.kept.f_W_N;
+          }};
+}
+
+// Goes on in the air when the surface is left.
+inline Fault fades(double time_constant_s) {
+  return {fmt::format("fades with {:g} s", time_constant_s), "filter", {}, [=](auto& r, auto& tip, auto& m) {
+            const double share = m.since_reset == 0 ? 1.0 : -std::expm1(-(tip.t_s - m.last_t_s) / time_constant_s);
+            r.f_W_N = m.kept.f_W_N += share * (r.f_W_N - m.kept.f_W_N);
           }};
 }
 
@@ -200,11 +224,43 @@ inline Fault damper(double coefficient_N_s_per_m) {
           }};
 }
 
+// Where contact begins and ends, and where the tip is in a body.
+inline std::vector<Fault> of_the_contact() {
+  std::vector<Fault> list;
+  list.push_back({"lingers for a sample", "gap-at-contact", {}, [](auto& r, auto&, auto& m) {
+                    const StepResult now = r;
+                    if (!r.contact && m.kept.contact) r.f_W_N = 0.2 * m.kept.f_W_N;
+                    m.kept = now;
+                  }});
+  list.push_back({"begins 40 um late, whatever the unit", "gap-at-contact", {}, [](auto& r, auto& tip, auto&) {
+                    if (r.contact && r.depth_m < 4e-5) nothing_there(r, tip);
+                  }});
+  list.push_back({"doubles the depth it gives", "standoff", {}, [](auto& r, auto&, auto&) { r.depth_m *= 2.0; }});
+  list.push_back({"constant force", "gap-at-contact", {}, [](auto& r, auto&, auto&) {
+                    if (r.contact) r.f_W_N = 5.0 * r.n_W;
+                  }});
+  list.push_back({"a force in the plane of a wall", "tie-break", {}, [](auto& r, auto& tip, auto& m) {
+                    if (!r.contact && tip.p_W_m.z() == 0.0 && tip.p_W_m.x() > 0.0)
+                      r.f_W_N = 480.0 / m.unit * Vec3(tip.p_W_m);
+                  }});
+  list.push_back({"nothing in the middle between two faces", "tie-break", {}, [](auto& r, auto& tip, auto& m) {
+                    const auto bounds = m.surface->mesh()->bounds();
+                    const double middle_m = 0.5 * (bounds.min().z() + bounds.max().z());
+                    if (r.contact && std::abs(tip.p_W_m.z() - middle_m) < 1e-12 * m.unit) nothing_there(r, tip);
+                  }});
+  list.push_back({"lost 2.5 mm deep", "falls-through-block", {}, [](auto& r, auto& tip, auto& m) {
+                    if (r.depth_m > 2.5e-3 * m.unit) nothing_there(r, tip);
+                  }});
+  return list;
+}
+
 inline std::vector<Fault> of_the_force() {
   std::vector<Fault> list{
       late(1),
       late(3),
       late(8),
+      late(31),
+      late(113),
       held(16),
       held(1000.0 / 60.0),
       held(4),
@@ -215,6 +271,7 @@ inline std::vector<Fault> of_the_force() {
       now_and_then(80),
       filtered(1e-3),
       filtered(5e-3),
+      fades(4e-3),
       filtered_twice(3e-3),
       mean_over(2),
       mean_over(6),
@@ -278,23 +335,15 @@ inline std::vector<Fault> of_the_force() {
   list.push_back({"damped by the sample", "rate-dependent", {}, [](auto& r, auto& tip, auto& m) {
                     r.f_W_N += damped_N(r, tip, m, 50.0) * (tip.t_s - m.last_t_s) * r.n_W;
                   }});
-  list.push_back({"lingers for a sample", "gap-at-contact", {}, [](auto& r, auto&, auto& m) {
-                    const StepResult now = r;
-                    if (!r.contact && m.kept.contact) r.f_W_N = 0.2 * m.kept.f_W_N;
-                    m.kept = now;
-                  }});
-  list.push_back({"doubles the depth it gives", "standoff", {}, [](auto& r, auto&, auto&) { r.depth_m *= 2.0; }});
-  list.push_back({"constant force", "gap-at-contact", {}, [](auto& r, auto&, auto&) {
-                    if (r.contact) r.f_W_N = 5.0 * r.n_W;
-                  }});
-  list.push_back({"a force in the plane of a wall", "tie-break", {}, [](auto& r, auto& tip, auto& m) {
-                    if (!r.contact && tip.p_W_m.z() == 0.0 && tip.p_W_m.x() > 0.0)
-                      r.f_W_N = 480.0 / m.unit * Vec3(tip.p_W_m);
-                  }});
-  list.push_back({"lost 2.5 mm deep", "falls-through-block", {}, [](auto& r, auto& tip, auto& m) {
-                    if (r.depth_m > 2.5e-3 * m.unit) nothing_there(r, tip);
-                  }});
+  for (const Fault& fault : of_the_contact()) list.push_back(fault);
   return list;
+}
+
+// The way from the centre of a ball to the nearest point has no direction where the centre is on the surface.
+inline Fault lost_on_the_surface() {
+  return {"lost where its centre is on the surface", "tie-break", {}, [](auto& r, auto& tip, auto&) {
+            if (r.contact && tip.p_W_m.z() == 0.0) nothing_there(r, tip);
+          }};
 }
 
 // Where its normal turns by more than 0.2 rad from sample to sample, it does so 12 samples later.

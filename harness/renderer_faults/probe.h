@@ -38,24 +38,21 @@ class Probe {
   // Throws RendererFailed where the renderer broke down: its zero force says nothing.
   rendering::StepResult to(const Vec3& tip, const Quat& q = Quat::Identity()) {
     rendering::StepResult result;
-    for (int i = 0; i <= settle_samples_; ++i) {
-      result = renderer_->step({tick_s_ * static_cast<double>(++tick_), unit_ * tip, q});
-      if (result.status == rendering::StepStatus::failed) throw rendering::RendererFailed(renderer_->failure());
-    }
-    result.contact_W_m /= unit_;
-    result.depth_m /= unit_;
+    for (int i = 0; i <= settle_samples_; ++i) result = once(tip, q);
     return result;
   }
   // The tip `depth_m` below a surface at this foot with this normal: a ball's centre is its radius higher.
   rendering::StepResult press(const Vec3& foot, const Vec3& n, double depth_m) {
     return to(foot + (radius_m_ - depth_m) * n);
   }
-  // From 2 mm above straight down to the depth in `steps`: renderers that look for crossings need the way.
+  // From 2 mm above straight down to the depth in `steps`: renderers that look for crossings need the way. It rests at
+  // both ends alone.
   rendering::StepResult approach(const Vec3& foot, const Vec3& n, double depth_m, int steps = 10) {
-    rendering::StepResult last;
     constexpr double from_m = 2e-3;
-    for (int i = 0; i <= steps; ++i) last = press(foot, n, -from_m + (from_m + depth_m) * i / steps);
-    return last;
+    press(foot, n, -from_m);
+    for (int i = 1; i < steps; ++i)
+      once(foot + (radius_m_ + from_m - (from_m + depth_m) * i / steps) * n, Quat::Identity());
+    return press(foot, n, depth_m);
   }
   void reset() {
     renderer_->reset();
@@ -64,6 +61,14 @@ class Probe {
   [[nodiscard]] rendering::Renderer& renderer() { return *renderer_; }
 
  private:
+  rendering::StepResult once(const Vec3& tip, const Quat& q) {
+    rendering::StepResult result = renderer_->step({tick_s_ * static_cast<double>(++tick_), unit_ * tip, q});
+    if (result.status == rendering::StepStatus::failed) throw rendering::RendererFailed(renderer_->failure());
+    result.contact_W_m /= unit_;
+    result.depth_m /= unit_;
+    return result;
+  }
+
   double unit_;
   double radius_m_;
   double tick_s_;

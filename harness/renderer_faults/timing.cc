@@ -12,6 +12,7 @@
 #include "harness/renderer_faults/arx.h"
 #include "harness/renderer_faults/other_engines.h"
 #include "harness/renderer_faults/probe.h"
+#include "harness/renderer_faults/sliding_timing.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::renderer_faults {
@@ -25,10 +26,13 @@ constexpr std::size_t kFrom = 64;            // samples that are only remembered
 constexpr double kShallow_m = 2e-4;
 constexpr double kDeep_m = 1e-3;
 
-// The normal force once it no longer changes: over 128 samples by less than a ten thousandth of the load. What never
-// comes to rest is read as the median of the last ones.
-double settled_N(Probe& probe, double depth_m, const Vec3& along, double load_N) {
-  constexpr std::size_t window = 128;
+// Longer lags are one number of samples for all, up to this time.
+constexpr double kLongestLag_s = 0.04;
+
+// The normal force once it no longer changes: over 128 samples, or the longest lag, by less than a ten thousandth of
+// the load. What never comes to rest is read as the median of the last ones.
+double settled_N(Probe& probe, double depth_m, const Vec3& along, double load_N, double rate_Hz) {
+  const auto window = std::max<std::size_t>(128, static_cast<std::size_t>(kLongestLag_s * rate_Hz) + 1);
   constexpr int most_windows = 24;
   std::vector<double> last(window);
   for (int i = 0; i < most_windows; ++i) {
@@ -72,7 +76,7 @@ Response response_to_jumps(const Engine& engine) {
   probe.approach(kPlace, Vec3::UnitZ(), kShallow_m);
   std::vector<double> settled(kLevels);
   for (std::size_t level = 0; level < kLevels; ++level)
-    settled[level] = settled_N(probe, depth_m(level), along, load_N);
+    settled[level] = settled_N(probe, depth_m(level), along, load_N, engine.rate_Hz);
   Response response;
   const auto [low, high] = std::ranges::minmax(settled);
   response.spacing_N = (high - low) / (kLevels - 1);
@@ -89,8 +93,6 @@ Response response_to_jumps(const Engine& engine) {
   }
   return response;
 }
-
-double in_ms(const Engine& engine, double samples) { return 1e3 * samples / engine.rate_Hz; }
 
 // Held answers: the samples of an update, and the period if they have one.
 std::optional<Timing> find_hold(const Engine& engine, const Response& response) {
@@ -169,8 +171,7 @@ double share_of(const std::vector<int>& lags, int lag) {
 // The shortest period after which 98 % of the late samples are as late again; 0: there is none.
 std::size_t period_of(const std::vector<int>& lags) {
   for (std::size_t period = 2; period <= kLongestPeriod; ++period) {
-    std::size_t late = 0;
-    std::size_t again = 0;
+    std::size_t late = 0, again = 0;
     for (std::size_t i = period; i < lags.size(); ++i) {
       if (lags[i] <= 0) continue;
       ++late;
@@ -179,10 +180,6 @@ std::size_t period_of(const std::vector<int>& lags) {
     if (late > 2 && 50 * again >= 49 * late) return period;
   }
   return 0;
-}
-
-std::string late_sentence(const Engine& engine, double lag) {
-  return fmt::format("the force is {:g} sample{} late ({:.3g} ms)", lag, lag == 1.0 ? "" : "s", in_ms(engine, lag));
 }
 
 // What the lags say; nothing if too many samples have none.
@@ -194,11 +191,7 @@ std::optional<Timing> by_lags(const Engine& engine, const std::vector<int>& lags
   timing.settle_samples = 2 * largest + 1;
   if (largest <= 0) return timing;
   for (int lag = 1; lag <= largest; ++lag) {
-    if (share_of(lags, lag) < 0.98) continue;
-    timing.kind = TimingKind::delay;
-    timing.lag_samples = lag;
-    timing.what = late_sentence(engine, lag);
-    return timing;
+    if (share_of(lags, lag) >= 0.98) return delayed(engine, lag);
   }
   const double late = 1.0 - share_of(lags, 0) - share_of(lags, -1);
   if (const std::size_t period = period_of(lags); period > 0) {
@@ -213,6 +206,19 @@ std::optional<Timing> by_lags(const Engine& engine, const std::vector<int>& lags
   timing.what = fmt::format("{:.2g} % of the samples are late, by up to {} sample{}, without a period", 100.0 * late,
                             largest, largest == 1 ? "" : "s");
   return timing;
+}
+
+// One lag beyond those within which no depth comes twice: another one is right by chance in every thirtieth sample.
+std::optional<Timing> by_long_lag(const Engine& engine, const Response& response) {
+  constexpr std::size_t compared = 1000;
+  const auto longest = std::max<std::size_t>(128, static_cast<std::size_t>(kLongestLag_s * engine.rate_Hz));
+  for (std::size_t lag = kMemory; lag <= std::min(longest, kSteps - compared); ++lag) {
+    std::size_t right = 0;
+    for (std::size_t i = kSteps - compared; i < kSteps; ++i)
+      right += std::abs(response.force_N[i] - response.settled_N[i - lag]) <= 0.25 * response.spacing_N ? 1U : 0U;
+    if (50 * right >= 49 * compared) return delayed(engine, static_cast<double>(lag));
+  }
+  return std::nullopt;
 }
 
 std::optional<Timing> find_clipped(const std::vector<double>& change_N, double load_N) {
@@ -267,12 +273,9 @@ Timing by_filter(const Engine& engine, const Response& response) {
   // At once at least the settled force: damping, relaxation.
   constexpr double at_once = 0.95;
   if (arx->b[0] >= at_once) {
+    if (arx->dead > 0) return delayed(engine, arx->dead, ", and damped or relaxing then");
     timing.kind = TimingKind::viscous;
-    timing.settle_samples = 2 * arx->dead + (arx->dead == 0 ? 2 : 1);
-    if (arx->dead == 0) return timing;
-    timing.kind = TimingKind::delay;
-    timing.lag_samples = arx->dead;
-    timing.what = late_sentence(engine, timing.lag_samples) + ", and damped or relaxing then";
+    timing.settle_samples = 2;
     return timing;
   }
   // Above what other detectors count as no memory.
@@ -300,11 +303,9 @@ void by_variance(const Engine& engine, const Response& response, Timing& timing)
   }
   const auto least = static_cast<std::size_t>(std::ranges::min_element(left) - left.begin());
   if (least == 0 || !(left[least] < 0.5 * left[0])) return;
-  timing.kind = TimingKind::delay;
-  timing.lag_samples = static_cast<double>(least);
-  timing.settle_samples = static_cast<int>(2 * least + kMemory);
-  timing.what = late_sentence(engine, timing.lag_samples) +
-                fmt::format(", and not by this alone: {:.2g} of the error is left", left[least] / left[0]);
+  timing = delayed(engine, static_cast<double>(least),
+                   fmt::format(", and not by this alone: {:.2g} of the error is left", left[least] / left[0]));
+  timing.settle_samples += static_cast<int>(kMemory);
 }
 
 // Up and down at 2 m/s, and by 2 mm a sample at least, up to 10 N.
@@ -347,94 +348,13 @@ std::optional<Timing> with_large_jumps(const Engine& engine) {
   return find_clipped(change_N, engine.stiffness_N_per_m * deep_m);
 }
 
-Timing every_second_late(double more_N, const std::string& how) {
-  Timing timing;
-  timing.kind = TimingKind::alternate;
-  timing.lag_samples = 1.0;
-  timing.period_samples = 2.0;
-  timing.settle_samples = 3;
-  timing.what = fmt::format(
-      "every second answer is late while the tip slides: its contact point is that of an earlier sample, which pulls "
-      "sideways by {:.3g} N {}, and not once the tip rests",
-      more_N, how);
-  return timing;
-}
-
-// With friction, which takes what is sideways up to its cone: the contact point of the sample before pulls beyond the
-// cone, if the steps are as long as twice what the cone holds.
-std::optional<Timing> with_friction(const Engine& engine) {
-  const double step_m = std::max(2.0 * engine.friction * kDepth_m, 3.0 * engine.epsilon_m);
-  constexpr double way_m = 0.03;
-  constexpr int least_steps = 20;
-  const int steps = static_cast<int>(way_m / step_m);
-  if (steps < least_steps) return std::nullopt;
-  Probe probe(engine, level_block());
-  const Vec3 start = kPlace - Vec3(0.5 * way_m, 0.0, 0.0);
-  probe.approach(start, Vec3::UnitZ(), kDepth_m);
-  std::array<double, 2> share{};  // of the load, in the even and the odd samples of the second half
-  const int counted = steps / 4;
-  for (int i = 0; i < steps; ++i) {
-    const Vec3 now_N = probe.press(start + Vec3(i * step_m, 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N;
-    if (i >= steps - 2 * counted) share[static_cast<std::size_t>(i % 2)] += std::abs(now_N.x()) / now_N.z() / counted;
-  }
-  const auto [low, high] = std::minmax(share[0], share[1]);
-  if (!(high > 1.5 * engine.friction && low < 1.1 * engine.friction)) return std::nullopt;
-  return every_second_late((high - engine.friction) * engine.stiffness_N_per_m * kDepth_m, "beyond its friction");
-}
-
-// Sideways forces of a tip that slides to and fro at one depth.
-Timing with_slides(const Engine& engine) {
-  constexpr std::size_t steps = 1200;
-  // Moves of less than its epsilon are none to the engine.
-  const double largest_step_m = std::max(4e-5, 3.0 * engine.epsilon_m);
-  const double reach_m = 25.0 * largest_step_m;
-  Probe probe(engine, level_block());
-  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
-  Random random(212);
-  std::vector<double> x_m{0.0};
-  std::vector<double> sideways_N{0.0};
-  for (std::size_t i = 1; i < steps; ++i) {
-    x_m.push_back(std::clamp(x_m.back() + largest_step_m * random.uniform(-1.0, 1.0), -reach_m, reach_m));
-    sideways_N.push_back(probe.press(kPlace + Vec3(x_m.back(), 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N.x());
-  }
-  const double allowed_N = engine.stiffness_N_per_m * (2e-3 * kDepth_m + engine.epsilon_m);
-  Timing timing;
-  // Periods beyond the second are not tried: one late answer in many leaves the others right.
-  std::array<double, 2> rms_N{};
-  for (std::size_t i = kFrom; i < steps; ++i) rms_N[i % 2] += sideways_N[i] * sideways_N[i];
-  for (double& one : rms_N) one = std::sqrt(2.0 * one / static_cast<double>(steps - kFrom));
-  const double most_N = std::max(rms_N[0], rms_N[1]);
-  const double least_N = std::min(rms_N[0], rms_N[1]);
-  // An epsilon is the same in both: it does not count here.
-  constexpr double clearly = 3.0;
-  if (most_N > engine.stiffness_N_per_m * 2e-3 * kDepth_m && most_N > clearly * least_N) {
-    return every_second_late(most_N, fmt::format("rms ({:.2g} N in the others)", least_N));
-  }
-  if (engine.friction > 0.0) return with_friction(engine).value_or(timing);
-  if (most_N <= allowed_N) return timing;
-  for (std::size_t lag = 1; lag < kMemory; ++lag) {
-    double off = 0.0;
-    double all = 0.0;
-    for (std::size_t i = kFrom; i < steps; ++i) {
-      const double late_N = engine.stiffness_N_per_m * (x_m[i - lag] - x_m[i]);
-      off += (sideways_N[i] - late_N) * (sideways_N[i] - late_N);
-      all += sideways_N[i] * sideways_N[i];
-    }
-    if (off > 0.02 * all) continue;
-    timing.kind = TimingKind::delay;
-    timing.lag_samples = static_cast<double>(lag);
-    timing.settle_samples = static_cast<int>(2 * lag + 1);
-    timing.what = late_sentence(engine, timing.lag_samples) + " while the tip slides: it springs to an earlier place";
-    return timing;
-  }
-  return timing;
-}
-
 Timing timing_of(const Engine& engine, const Response& response) {
   if (auto held = find_hold(engine, response)) return *held;
   Timing timing;
   if (auto late = by_lags(engine, lags_of(response))) {
     timing = *late;
+  } else if (auto later = by_long_lag(engine, response)) {
+    return *later;
   } else {
     std::vector<double> change_N;
     for (std::size_t i = kFrom; i < kSteps; ++i) change_N.push_back(response.force_N[i] - response.force_N[i - 1]);
@@ -444,12 +364,22 @@ Timing timing_of(const Engine& engine, const Response& response) {
   if (timing.kind == TimingKind::exact || timing.kind == TimingKind::unclear) {
     if (auto clipped = with_large_jumps(engine)) return *clipped;
   }
-  if (timing.kind == TimingKind::exact) timing = with_slides(engine);
+  if (timing.kind == TimingKind::exact) timing = timing_of_slides(engine);
   if (timing.kind == TimingKind::unclear) by_variance(engine, response, timing);
   return timing;
 }
 
 }  // namespace
+
+Timing delayed(const Engine& engine, double lag, const std::string& more) {
+  Timing timing;
+  timing.kind = TimingKind::delay;
+  timing.lag_samples = lag;
+  timing.settle_samples = static_cast<int>(2.0 * lag) + 1;
+  timing.what = fmt::format("the force is {:g} sample{} late ({:.3g} ms){}", lag, lag == 1.0 ? "" : "s",
+                            1e3 * lag / engine.rate_Hz, more);
+  return timing;
+}
 
 std::string Timing::fault() const {
   if (declared) return "";

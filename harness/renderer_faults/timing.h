@@ -4,14 +4,15 @@
 // The tip rests at each of 32 depths over one place of a level block until its force has settled, which gives S(depth).
 // Then it jumps among them at every sample, and the force F_i, along where S grows to, is explained by depths of
 // earlier samples:
-//   late       F_i = S_(i-L): one lag L for all samples, lags that alternate with a period, or lags without one
+//   late       F_i = S_(i-L): one lag L for all samples, of up to 40 ms; up to 23 samples also lags that alternate with
+//              a period, or lags without one
 //   held       F_i = F_(i-1) although the depth changed, until the next update
 //   filter     a linear difference equation (harness/renderer_faults/arx.h) that answers less than S_i at once: of
-//   first or
-//              second order, or a mean over samples. A contact with damping or relaxation answers at least S_i at once:
-//              Kelvin-Voigt has a = 0, b_0 = 1 + b / (k T), b_1 = -b / (k T); behind a dead time it is late, too
+//              first or second order, or a mean over samples. A contact with damping or relaxation answers at least S_i
+//              at once: Kelvin-Voigt has a = 0, b_0 = 1 + b / (k T), b_1 = -b / (k T); behind a dead time it is late,
+//              too
 //   clipped    |F_i - F_(i-1)| is never above one figure, which many steps have; also with steps of 2 mm and up to 10 N
-// A contact point that is late shows only while the tip slides: the force pulls sideways to where the tip was.
+// A contact point that is late or held shows only while the tip slides (sliding_timing.h).
 #pragma once
 
 #include <cstdint>
@@ -48,6 +49,9 @@ struct Timing {
   // The name of the fault; empty where there is none or it is declared.
   [[nodiscard]] std::string fault() const;
 };
+
+// Every answer is `lag` samples late; `more` ends the sentence.
+Timing delayed(const Engine& engine, double lag, const std::string& more = "");
 
 // Throws what making the renderer throws, and RendererFailed.
 Timing identify_timing(const Engine& engine);

@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <vector>
+
+#include "harness/stats/quantile.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -23,8 +27,9 @@ struct Half {
 
 class Residual {
  public:
-  Residual(const std::vector<double>& t_s, const std::vector<Vec3>& measured, const std::vector<Vec3>& rendered)
-      : t_s_(t_s), measured_(measured), rendered_(rendered) {}
+  Residual(const std::vector<double>& t_s, const std::vector<Vec3>& tip, const std::vector<Vec3>& measured,
+           const std::vector<Vec3>& rendered)
+      : t_s_(t_s), tip_(tip), measured_(measured), rendered_(rendered) {}
 
   [[nodiscard]] std::size_t size() const { return t_s_.size(); }
   [[nodiscard]] std::array<Half, 2> halves() const { return {{{0, size() / 2}, {size() / 2, size()}}}; }
@@ -66,8 +71,16 @@ class Residual {
     return (1.0 - share) * rendered_[k - 1] + share * rendered_[k];
   }
 
+  // Whether the tip is elsewhere in every sample of [from, to).
+  [[nodiscard]] bool moves(std::size_t from, std::size_t to) const {
+    for (std::size_t i = from + 1; i < to; ++i) {
+      if (tip_[i] == tip_[i - 1]) return false;
+    }
+    return true;
+  }
+
   const std::vector<double>& t_s_;
-  const std::vector<Vec3>&measured_, &rendered_;
+  const std::vector<Vec3>&tip_, &measured_, &rendered_;
 };
 
 struct Found {
@@ -159,42 +172,118 @@ std::optional<Found> find_limit(const Residual& r) {
   return std::nullopt;
 }
 
-// A sample without force between two that have it, where it was measured before, then and after.
+// Samples without force between two that have it, where it was measured before, then and after.
 std::optional<Found> find_dropouts(const Residual& r) {
   constexpr double none = 1e-3, some = 0.5;
-  constexpr std::size_t fewest = 3;  // one or two may be an edge
-  std::size_t count = 0, first = 0;
+  constexpr std::size_t fewest = 3;    // one or two may be an edge
+  constexpr std::size_t longest = 10;  // in a row: more is a contact that the renderer does not have
+  constexpr double of_largest = 0.05;  // less is a contact that begins or ends
+  double largest_N = 0.0;
+  for (const Vec3& f : r.measured_) largest_N = std::max(largest_N, f.norm());
+  std::size_t count = 0, times = 0, first = 0;
   for (std::size_t i = 1; i + 1 < r.size(); ++i) {
-    const double beside = std::min(r.rendered_[i - 1].norm(), r.rendered_[i + 1].norm());
-    if (!(beside > 0.0) || r.rendered_[i].norm() > none * beside || r.measured_[i].norm() < some * beside) continue;
-    if (count++ == 0) first = i;
+    const double before = r.rendered_[i - 1].norm();
+    const auto out = [&](std::size_t k) {
+      return k + 1 < r.size() && r.rendered_[k].norm() <= none * before && r.measured_[k].norm() >= some * before;
+    };
+    std::size_t end = i;
+    while (before > of_largest * largest_N && end - i <= longest && out(end)) ++end;
+    if (end == i || end - i > longest || r.rendered_[end].norm() < some * before) continue;
+    if (times++ == 0) first = i;
+    count += end - i;
+    i = end;
   }
-  if (count < fewest) return std::nullopt;
-  return Found{
-      0.0, fmt::format("In {} single samples, first at {:.4f} s, the rendered force is missing between two that have "
-                       "it.",
-                       count, r.t_s_[first])};
+  if (times < fewest) return std::nullopt;
+  return Found{0.0, fmt::format("In {} samples, at {} times and first at {:.4f} s, the rendered force is missing "
+                                "between two that have it.",
+                                count, times, r.t_s_[first])};
+}
+
+// The rendered force is the same for as many samples every time, though the tip moves.
+std::optional<Found> find_hold(const Residual& r) {
+  constexpr std::size_t fewest = 20;
+  constexpr double most_of_them = 0.9;
+  std::vector<std::size_t> changes;
+  std::vector<double> lengths;
+  for (std::size_t i = 1; i < r.size(); ++i) {
+    if (r.rendered_[i] == r.rendered_[i - 1]) continue;
+    // Air before or after says nothing; neither does a tip that rests.
+    const bool pushed = !changes.empty() && !r.rendered_[i].isZero() && !r.rendered_[i - 1].isZero();
+    if (pushed && (i == changes.back() + 1 || r.moves(changes.back(), i)))
+      lengths.push_back(static_cast<double>(i - changes.back()));
+    changes.push_back(i);
+  }
+  if (lengths.size() < fewest) return std::nullopt;
+  const double usual = stats::upper_median(lengths);
+  const auto alike = std::ranges::count_if(lengths, [&](double n) { return std::abs(n - usual) <= 1.0; });
+  if (usual < 2.0 || static_cast<double>(alike) < most_of_them * static_cast<double>(lengths.size()))
+    return std::nullopt;
+  // Repaired: from one change to the next in a line.
+  std::vector<Vec3> repaired = r.rendered_;
+  for (std::size_t k = 1; k < changes.size(); ++k) {
+    const std::size_t from = changes[k - 1], to = changes[k];
+    if (static_cast<double>(to - from) > usual + 1.0) continue;
+    for (std::size_t i = from; i < to; ++i)
+      repaired[i] +=
+          static_cast<double>(i - from) / static_cast<double>(to - from) * (r.rendered_[to] - repaired[from]);
+  }
+  const double left = r.left({0, r.size()}, [&](std::size_t i) { return repaired[i]; });
+  double sum = 0.0;
+  for (const double n : lengths) sum += n;
+  const double mean = sum / static_cast<double>(lengths.size());
+  return Found{left,
+               fmt::format("The rendered force is held: it changes at every {:.3g}th sample only; from one change "
+                           "to the next in a line, {}.",
+                           mean, r.gain(left))};
+}
+
+// Each component a multiple of one step, which makes a tenth of the squared error or more.
+std::optional<Found> find_steps(const Residual& r) {
+  constexpr double same = 1e-6, of_error = 0.1;
+  constexpr double fewest = 4.0;  // steps in the largest component
+  double step_N = std::numeric_limits<double>::infinity(), largest_N = 0.0;
+  for (const Vec3& f : r.rendered_) {
+    for (const double part : f) {
+      if (part != 0.0) step_N = std::min(step_N, std::abs(part));
+      largest_N = std::max(largest_N, std::abs(part));
+    }
+  }
+  // Three components, each off by anything up to half a step (Widrow 1956).
+  const double squared_N2 = 3.0 * step_N * step_N / 12.0;
+  if (!(largest_N >= fewest * step_N) || squared_N2 < of_error * r.as_it_is({0, r.size()})) return std::nullopt;
+  for (const Vec3& f : r.rendered_) {
+    if (((f / step_N - (f / step_N).array().round().matrix()).array().abs() > same).any()) return std::nullopt;
+  }
+  return Found{0.0, fmt::format("Each component of the rendered force is a multiple of {:.3g} N: such steps are {:.3g} "
+                                "N of the RMS force error of {:.3g} N.",
+                                step_N, std::sqrt(squared_N2), std::sqrt(r.as_it_is({0, r.size()})))};
 }
 
 }  // namespace
 
-void RendererResidual::add(const metrics::MetricSample& sample) {
+void RendererResidual::add(const metrics::MetricSample& sample, const Vec3& tip_W_m) {
   if (t_s_.size() >= most_samples || !sample.f_measured_W_N.allFinite() || !sample.f_rendered_W_N.allFinite()) return;
   if (!t_s_.empty() && !(sample.t_s > t_s_.back())) return;
   t_s_.push_back(sample.t_s);
+  tip_W_m_.push_back(tip_W_m);
   measured_N_.push_back(sample.f_measured_W_N);
   rendered_N_.push_back(sample.f_rendered_W_N);
 }
 
 std::vector<std::string> RendererResidual::faults() const {
   if (t_s_.size() < fewest_samples) return {};
-  const Residual residual(t_s_, measured_N_, rendered_N_);
+  const Residual residual(t_s_, tip_W_m_, measured_N_, rendered_N_);
   std::vector<std::string> said;
-  // Of the two that rearrange the force the one that leaves less; what cuts it stands beside either.
-  auto moved = find_lag(residual);
-  if (auto turned = find_axes(residual); turned && (!moved || turned->left < moved->left)) moved = std::move(turned);
+  // Of those that rearrange the force the one that leaves least; what cuts it stands beside each.
+  const std::optional<Found> hold = find_hold(residual);
+  std::optional<Found> moved = hold;
+  for (const auto& other : {find_lag(residual), find_axes(residual)}) {
+    if (other && (!moved || other->left < moved->left)) moved = other;
+  }
   if (moved) said.push_back(moved->text);
-  for (const auto& cut : {find_limit(residual), find_dropouts(residual)}) {
+  // What is seen of the rendered force alone stays true.
+  if (hold && hold->text != moved->text) said.push_back(hold->text);
+  for (const auto& cut : {find_limit(residual), find_dropouts(residual), find_steps(residual)}) {
     if (cut) said.push_back(cut->text);
   }
   return said;

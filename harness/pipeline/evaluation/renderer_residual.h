@@ -1,8 +1,8 @@
-// What is wrong with a renderer, by what it gives beside what was measured: is its force late, cut at a limit, mirrored
-// or with exchanged axes, or missing in single samples? Each is a model of the residual with what a repair of it gains,
-// and is said only if it gains the most and does so in both halves of the recording. A recording can have the same
-// fault (its clocks, its axes), which the recording's own checks look for (harness/recording_checks): where both are
-// possible, both are said.
+// What is wrong with a renderer, by what it gives beside what was measured: is its force late, held, cut at a limit, in
+// steps, mirrored or with exchanged axes, or missing in single samples? Each is a model of the residual with what a
+// repair of it gains, and is said only if it gains the most and does so in both halves of the recording. A recording
+// can have the same fault (its clocks, its axes), which the recording's own checks look for (harness/recording_checks):
+// where both are possible, both are said.
 #pragma once
 
 #include <string>
@@ -15,13 +15,13 @@ namespace touchstone::pipeline {
 class RendererResidual {
  public:
   // In the order of time; a gap in time may stand between two. Longer recordings are judged by their beginning.
-  void add(const metrics::MetricSample& sample);
+  void add(const metrics::MetricSample& sample, const Vec3& tip_W_m);
   // One sentence for each fault, with the RMS force error before and after; empty where there is none, or too little.
   [[nodiscard]] std::vector<std::string> faults() const;
 
  private:
   std::vector<double> t_s_;
-  std::vector<Vec3> measured_N_, rendered_N_;
+  std::vector<Vec3> tip_W_m_, measured_N_, rendered_N_;
 };
 
 }  // namespace touchstone::pipeline

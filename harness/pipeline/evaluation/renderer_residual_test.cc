@@ -23,7 +23,7 @@ Vec3 force_N(double t) {
 }
 
 std::vector<std::string> faults_of(const std::function<Vec3(double)>& rendered, double noise_N = 0.01,
-                                   double rate_Hz = 1000.0) {
+                                   double rate_Hz = 1000.0, double tip_every_s = 0.0) {
   Random random(5);
   RendererResidual residual;
   for (int i = 0; i < 8000; ++i) {
@@ -32,7 +32,8 @@ std::vector<std::string> faults_of(const std::function<Vec3(double)>& rendered, 
     sample.t_s = t;
     sample.f_measured_W_N = force_N(t) + noise_N * Vec3(random.normal(), random.normal(), random.normal());
     sample.f_rendered_W_N = rendered(t);
-    residual.add(sample);
+    const double seen_s = tip_every_s > 0.0 ? tip_every_s * std::floor(t / tip_every_s + 1e-9) : t;
+    residual.add(sample, 1e-3 * force_N(seen_s));
   }
   return residual.faults();
 }
@@ -53,9 +54,31 @@ TEST(RendererResidual, ARightRendererIsNotAccused) {
 TEST(RendererResidual, ALateOneIsLateBySoMuch) {
   EXPECT_THAT(faults_of([](double t) { return force_N(t - 0.021); }), ElementsAre(HasSubstr("21.0 ms behind")));
   EXPECT_THAT(faults_of([](double t) { return force_N(t - 0.005); }, 0.003), ElementsAre(HasSubstr("5.0 ms behind")));
-  // An answer that is held for 16 ms is 8 ms late on the average.
-  EXPECT_THAT(faults_of([](double t) { return force_N(0.016 * std::floor(t / 0.016)); }, 0.003),
-              ElementsAre(HasSubstr("ms behind")));
+}
+
+TEST(RendererResidual, OneThatHoldsItsAnswersDoesSoForSoManySamples) {
+  for (const auto& [hold_s, every] :
+       {std::pair{0.016, "every 16th"}, {1.0 / 60.0, "every 16.7th"}, {0.007, "every 7th"}}) {
+    const auto held = [hold_s](double t) { return force_N(hold_s * std::floor(t / hold_s + 1e-9)); };
+    EXPECT_THAT(faults_of(held, 0.003), ElementsAre(::testing::AllOf(HasSubstr(every), HasSubstr("would be 0.00"))));
+    EXPECT_THAT(faults_of([&](double t) { return held(t - 0.02); }, 0.003),
+                ElementsAre(HasSubstr("ms behind"), HasSubstr(every)));
+    // A tracker that holds the position is not the renderer's fault; the force is late then, as the position is.
+    EXPECT_THAT(faults_of(held, 0.003, 1000.0, hold_s), ::testing::Not(::testing::Contains(HasSubstr("held"))));
+  }
+  // Nor is a limit, or a renderer that answers a resting tip alike for a while.
+  EXPECT_THAT(faults_of([](double t) { return force_N(t < 4.0 ? t : 4.0); }),
+              ::testing::Not(::testing::Contains(HasSubstr("held"))));
+}
+
+TEST(RendererResidual, StepsAreNamedWhereTheyMatter) {
+  const auto steps = [](double step_N) {
+    return [step_N](double t) { return Vec3(step_N * (force_N(t) / step_N).array().round().matrix()); };
+  };
+  EXPECT_THAT(faults_of(steps(0.05)), ElementsAre(HasSubstr("a multiple of 0.05 N")));
+  EXPECT_THAT(faults_of(steps(0.001)), IsEmpty());
+  // One component in steps is no steps of the force.
+  EXPECT_THAT(faults_of([&](double t) { return Vec3(steps(0.05)(t).x(), force_N(t).y(), force_N(t).z()); }), IsEmpty());
 }
 
 TEST(RendererResidual, MirroredAndExchangedAxesAreNamed) {
@@ -78,7 +101,12 @@ TEST(RendererResidual, ALimitIsNamedWithItsAxis) {
 TEST(RendererResidual, MissingSamplesAreCounted) {
   EXPECT_THAT(
       faults_of([](double t) { return std::lround(1000.0 * t) % 900 == 450 ? Vec3(Vec3::Zero()) : force_N(t); }),
-      ElementsAre(HasSubstr("In 9 single samples, first at 0.4500 s")));
+      ElementsAre(HasSubstr("In 9 samples, at 9 times and first at 0.4500 s")));
+  EXPECT_THAT(faults_of([](double t) { return std::lround(1000.0 * t) % 2000 < 3 ? Vec3(Vec3::Zero()) : force_N(t); }),
+              ElementsAre(HasSubstr("In 9 samples, at 3 times and first at 2.0000 s")));
+  // A renderer that leaves early has another fault.
+  EXPECT_THAT(faults_of([](double t) { return std::lround(1000.0 * t) % 900 < 40 ? Vec3(Vec3::Zero()) : force_N(t); }),
+              IsEmpty());
 }
 
 TEST(RendererResidual, NumbersThatAreNoneAreLeftOut) {

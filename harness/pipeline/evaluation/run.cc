@@ -390,7 +390,7 @@ EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequ
   SensorWindow window(comparison, [&](const ComparedSample& sample) {
     collector.add(sample);
     const metrics::MetricSample& m = sample.metric;
-    if (inputs.survey.has_force) residual.add(m);
+    if (inputs.survey.has_force) residual.add(m, sample.p_W_m);
     if (errors && request.time_ranges.contains(m.t_s, inputs.survey.clock.start_s)) errors(m);
   });
   MeasuredStream measured(request, inputs, comparison);
