@@ -486,6 +486,7 @@ constexpr KnownDevice ndi_device{
     .confidence = Confidence::reported,
     .note = "serial node or network address in the hardware map",
     .address_example = "192.168.1.10 or /dev/ttyUSB0",
+    .usual_port = ndi::usual_port,
     .open_poses = [](const MappedDevice& device) -> std::unique_ptr<PoseSource> {
       return open_ndi(mapped_ndi(device));
     },
