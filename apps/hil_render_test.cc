@@ -87,10 +87,16 @@ TEST_F(HilRender, LettingGoIsNoSuccess) {
 }
 
 TEST_F(HilRender, TheLimitIsTheGuards) {
-  const auto outcome = render("god-object", "press", "--force-limit 0.3");
+  render("god-object", "press", "--force-limit 0.3");
   const auto live = result();
   EXPECT_GT(live["cut_by_guard"], 0);
   EXPECT_THAT(render("god-object", "press", "--force-limit 0").err, HasSubstr("--force-limit"));
+  for (const char* const wrong :
+       {"--tolerance inf", "--tolerance nan", "--tolerance=-1", "--rate 1e300", "--rate 2e7"}) {
+    const auto outcome = render("god-object", "press", std::string("--force-limit 1 ") + wrong);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(std::string(wrong).substr(0, 6)));
+  }
   EXPECT_THAT(render("god-object", "jump", "--force-limit 1").err, HasSubstr("\"press\" or \"slide\""));
 }
 
