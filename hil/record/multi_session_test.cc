@@ -295,6 +295,7 @@ TEST_F(MultiSession, AFullDiskEndsTheRunAndSavesWhatWaits) {
   // Beside its beginning the rest is found.
   fs::rename(elsewhere / "force.tsraw.rest", folder_ / "force.tsraw.rest");
   EXPECT_EQ(export_session(folder_).tables[0].report.samples, n);
+  EXPECT_EQ(export_raw({folder_ / "force.tsraw"}, folder_ / "force.csv").samples, n);
   fs::remove_all(elsewhere);
 }
 
