@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -84,6 +85,17 @@ TEST_F(HilRender, LettingGoIsNoSuccess) {
   EXPECT_EQ(outcome.status, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("[workspace]"));
   EXPECT_EQ(result()["trip"], "workspace");
+}
+
+TEST_F(HilRender, ARecordingOutlivesItsReplay) {
+  write_file(folder_ / "plane.json",
+             R"({"schema": "touchstone-model/1", "renderer": "plane", "parameters": {"stiffness_N_per_m": 300}})");
+  const auto outcome = render("plane", "press",
+                              fmt::format("--force-limit 10 --plugin {}/CRASHES_WHEN_RUN_AGAIN.so",
+                                          testing::environment("TOUCHSTONE_TEST_PLUGINS")));
+  EXPECT_EQ(outcome.status, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("crashed"));
+  EXPECT_GT(std::ranges::count(read_file(folder_ / "live" / "live.csv"), '\n'), 100);
 }
 
 TEST_F(HilRender, TheLimitIsTheGuards) {
