@@ -82,8 +82,10 @@ class InTheMiddle final : public Stream {
       progress_->waits_since_s.compare_exchange_strong(none, to_s);
       --progress_->before;
       progress_->stepped.wait(false);
+      // What queued meanwhile comes at once, late: as much again must come in time.
+      until_s_ = 2.0 * clock_.now_s() - to_s;
     }
-    if (count_ >= 2 * progress_->half && !std::exchange(all_came_, true)) --progress_->after;
+    if (count_ >= 2 * progress_->half && to_s >= until_s_ && !std::exchange(all_came_, true)) --progress_->after;
     return n;
   }
   [[nodiscard]] StreamCounters counters() const override { return stream_->counters(); }
@@ -95,6 +97,7 @@ class InTheMiddle final : public Stream {
   MonotonicClock clock_;
   std::uint64_t count_ = 0;
   bool half_came_ = false, all_came_ = false;
+  double until_s_ = 0.0;
 };
 
 // A stream, with what keeps its emulator alive, and a second of the device's in its table's second column. 0: the
