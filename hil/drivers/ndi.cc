@@ -455,16 +455,6 @@ class NdiSource final : public PoseSource {
   double next_s_ = 0.0, arrived_s_ = 0.0;
 };
 
-}  // namespace
-
-void reach_ndi(const NdiOptions& options) {
-  const NetworkLine line(place_of(options), options.address, options.port, options.timeout_s);
-}
-
-std::unique_ptr<PoseSource> open_ndi(const NdiOptions& options) { return std::make_unique<NdiSource>(options); }
-
-namespace {
-
 NdiOptions mapped_ndi(const MappedDevice& device) {
   NdiOptions options;
   options.address = device.address;
@@ -476,6 +466,12 @@ NdiOptions mapped_ndi(const MappedDevice& device) {
 }
 
 }  // namespace
+
+void reach_ndi(const NdiOptions& options) {
+  const NetworkLine line(place_of(options), options.address, options.port, options.timeout_s);
+}
+
+std::unique_ptr<PoseSource> open_ndi(const NdiOptions& options) { return std::make_unique<NdiSource>(options); }
 
 constexpr KnownDevice ndi_device{
     .id = "ndi-polaris",

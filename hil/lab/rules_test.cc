@@ -244,10 +244,10 @@ TEST(DeviceLock, LeavesFoldersAsTheyAre) {
   { const DeviceLock lock(opened_as("novint-falcon", "MODE")); }
   EXPECT_EQ(std::filesystem::status(folder).permissions(), std::filesystem::perms(0700));
   // Nor is another file overwritten that was given a lock's name.
-  write_file(folder / "letter", "dear reader");
+  write_file(folder / "letter", "its own words");
   std::filesystem::create_hard_link(folder / "letter", folder / "novint-falcon-LETTER.lock");
   EXPECT_THROW(DeviceLock(opened_as("novint-falcon", "LETTER"), 0), DeviceError);
-  EXPECT_EQ(read_file(folder / "letter"), "dear reader");
+  EXPECT_EQ(read_file(folder / "letter"), "its own words");
   if (before != nullptr) {
     ::setenv("TOUCHSTONE_LOCK_DIR", kept.c_str(), 1);
   } else {

@@ -34,8 +34,8 @@ struct ExportReport {
   [[nodiscard]] std::string axis_problem() const;
 };
 
-// One stream, in one file (and its .rest beside it) or several in order. A force stream gives t_s, fx_N .. tz_Nm, flags; a
-// motion t_s, x_m, y_m, z_m, qw .. qz, tracked, device_status. Throws BadData naming the file.
+// One stream, in one file (and its .rest beside it) or several in order. A force stream gives t_s, fx_N .. tz_Nm,
+// flags; a motion t_s, x_m, y_m, z_m, qw .. qz, tracked, device_status. Throws BadData naming the file.
 ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv);
 
 struct SessionExport {
