@@ -43,10 +43,18 @@ void check(const LiveRenderOptions& options) {
     if (!(value > 0.0) || !std::isfinite(value))
       throw UsageError(fmt::format("{}: {} is no finite number above 0", name, value));
   }
+  if (!(options.tolerance_N >= 0.0) || !std::isfinite(options.tolerance_N))
+    throw UsageError(fmt::format("--tolerance: {} N is no finite number from 0 on", options.tolerance_N));
   // A program that hangs leaves its last force on for so long.
   constexpr double longest_age_ms = 10000.0;
   if (options.command_age_ms > longest_age_ms)
     throw UsageError(fmt::format("--command-age: {} ms is more than {} ms", options.command_age_ms, longest_age_ms));
+  // Each tick is kept, about 200 bytes: so many are 2 GB, an hour at 2.8 kHz.
+  constexpr double most_ticks = 1e7;
+  if (options.seconds * options.rate_Hz > most_ticks) {
+    throw UsageError(fmt::format("--seconds {} at --rate {} are {:.3g} ticks, more than {:.0g}: shorten the run",
+                                 options.seconds, options.rate_Hz, options.seconds * options.rate_Hz, most_ticks));
+  }
 }
 
 hil::GuardOptions guard_options_of(const LiveRenderOptions& options) {

@@ -105,7 +105,8 @@ TEST_F(HilRecord, ProbeConnectsToATrackerOnlyIfItIsNamed) {
   const auto list = run("hil probe --map map.json --json list.json");
   EXPECT_THAT(list.out, HasSubstr("touchstone hil probe optitrack"));
   EXPECT_EQ(motive.sent(), 0U) << "a client was there";
-  for (const auto& device : nlohmann::json::parse(read_file(folder_ / "list.json"))["devices"]) {
+  const auto listed = nlohmann::json::parse(read_file(folder_ / "list.json"));
+  for (const auto& device : listed["devices"]) {
     if (device["id"] == "optitrack") {
       EXPECT_EQ(device["status"], "not asked");
     }

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -86,11 +87,28 @@ TEST_F(HilRender, LettingGoIsNoSuccess) {
   EXPECT_EQ(result()["trip"], "workspace");
 }
 
+TEST_F(HilRender, ARecordingOutlivesItsReplay) {
+  write_file(folder_ / "plane.json",
+             R"({"schema": "touchstone-model/1", "renderer": "plane", "parameters": {"stiffness_N_per_m": 300}})");
+  const auto outcome = render("plane", "press",
+                              fmt::format("--force-limit 10 --plugin {}/CRASHES_WHEN_RUN_AGAIN.so",
+                                          testing::environment("TOUCHSTONE_TEST_PLUGINS")));
+  EXPECT_EQ(outcome.status, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("crashed"));
+  EXPECT_GT(std::ranges::count(read_file(folder_ / "live" / "live.csv"), '\n'), 100);
+}
+
 TEST_F(HilRender, TheLimitIsTheGuards) {
-  const auto outcome = render("god-object", "press", "--force-limit 0.3");
+  render("god-object", "press", "--force-limit 0.3");
   const auto live = result();
   EXPECT_GT(live["cut_by_guard"], 0);
   EXPECT_THAT(render("god-object", "press", "--force-limit 0").err, HasSubstr("--force-limit"));
+  for (const char* const wrong :
+       {"--tolerance inf", "--tolerance nan", "--tolerance=-1", "--rate 1e300", "--rate 2e7"}) {
+    const auto outcome = render("god-object", "press", std::string("--force-limit 1 ") + wrong);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(std::string(wrong).substr(0, 6)));
+  }
   EXPECT_THAT(render("god-object", "jump", "--force-limit 1").err, HasSubstr("\"press\" or \"slide\""));
 }
 

@@ -3,7 +3,8 @@
 
     foreign_sessions.py TOUCHSTONE SEED COUNT undisturbed|disturbed [KIND]
 
-KIND: one of KINDS, or "later gain", which changes after the static poses and is said, not refused.
+KIND: one of KINDS, or "later gain", which changes after the static poses and is said, not refused. Said, too, is a move
+that no contact shows: along the ridge, which is the same everywhere.
 
 Exit status 0: every session is refused (exit status not 0) or right; 1: some are silently wrong, or more than 2 % of the
 undisturbed ones are refused; 77: numpy is missing.
@@ -162,6 +163,13 @@ class Session:
     def moved(self, t):
         return least_jerk(t - (self.begin + self.end) / 2)[:, None]
 
+    def move_is_hidden(self):
+        """The object slid along its own surface: across that direction by less than what counts as wrong."""
+        if self.kind != 'moved' or self.surface != 'ridge':
+            return False
+        along = np.array([0, 1, self.sizes[2]]) / np.hypot(1, self.sizes[2])
+        return (2e-3 + 6e-3 * self.size) * np.linalg.norm(np.cross(along, self.side)) < 1e-3
+
     def in_tracker(self, t, p):
         if self.kind == 'moved':
             p = p + self.moved(t) * (2e-3 + 6e-3 * self.size) * self.side
@@ -301,6 +309,8 @@ def main(program, first, count, what, only=None):
                 place, worst, force, limit = session.errors(out)
                 right = place < 1e-3 and worst < 3e-3 and force < limit
                 verdict = 'right' if right else 'WRONG'
+                if not right and session.move_is_hidden() and 'the object may have moved by any way along' in said:
+                    verdict = 'said'
                 figures = '%.2f mm, worst %.2f mm, %.3f N of %.3f;' % (1e3 * place, 1e3 * worst, force, limit)
             refused += verdict == 'refused'
             wrong += verdict == 'WRONG'

@@ -318,7 +318,8 @@ double gain_error_by_sliding_N(const ContactSamples& c, const std::vector<Vec3>&
   }
   const Mat3 off = matrix_of(clear_part(clusters, gains));
   double worst2 = 0.0;
-  for (const double right : Eigen::SelfAdjointEigenSolver<Mat3>(off, Eigen::EigenvaluesOnly).eigenvalues()) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(off, Eigen::EigenvaluesOnly);
+  for (const double right : solver.eigenvalues()) {
     const Mat3 error = off - right * Mat3::Identity();
     worst2 = std::max(worst2, (error * moments * error.transpose()).trace());
   }

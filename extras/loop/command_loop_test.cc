@@ -139,8 +139,9 @@ TEST_F(LoopCommand, WidthTuneAndAtlasWriteWhatTheySay) {
   ASSERT_EQ(tuned.status, 0) << tuned.err;
   EXPECT_EQ(load_json(folder_ / "tuned.json").at("devices").at(0).at("published_N_per_m"), 400.0);
   ASSERT_EQ(run("loop atlas --device touch --out a").status, 0);
-  EXPECT_EQ(result("a").at("cells").size(), 72u);
-  for (const auto& cell : result("a").at("cells")) EXPECT_EQ(cell.at("refused"), "");
+  const auto cells = result("a").at("cells");
+  EXPECT_EQ(cells.size(), 72u);
+  for (const auto& cell : cells) EXPECT_EQ(cell.at("refused"), "");
 }
 
 }  // namespace

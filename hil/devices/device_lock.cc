@@ -52,9 +52,10 @@ int open_lock_folder(std::filesystem::path& folder) {
 
 // To write, or else to read, which is enough to lock: a file that another user made, also an old one that only he may
 // write. Existing files are opened without O_CREAT, which the kernel refuses for another's file in a sticky folder
-// (fs.protected_regular).
+// (fs.protected_regular). A second name of some other file, which anybody may have laid where fs.protected_hardlinks is
+// off, is none of ours: it would be overwritten.
 int open_lock_file(int folder, const std::string& name) {
-  constexpr int common = O_CLOEXEC | O_NOFOLLOW;
+  constexpr int common = O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
   for (int attempt = 0; attempt < 2; ++attempt) {
     int fd = ::openat(folder, name.c_str(), O_RDWR | O_CREAT | O_EXCL | common, 0666);
     if (fd >= 0) {
@@ -64,6 +65,12 @@ int open_lock_file(int folder, const std::string& name) {
     if (errno != EEXIST) return -1;
     fd = ::openat(folder, name.c_str(), O_RDWR | common);
     if (fd < 0 && errno == EACCES) fd = ::openat(folder, name.c_str(), O_RDONLY | common);
+    struct stat there {};
+    if (fd >= 0 && (::fstat(fd, &there) != 0 || !S_ISREG(there.st_mode) || there.st_nlink > 1)) {
+      ::close(fd);
+      errno = EEXIST;
+      return -1;
+    }
     if (fd >= 0 || errno != ENOENT) return fd;  // ENOENT: it went away in between
   }
   return -1;
@@ -87,8 +94,10 @@ std::string numeric_address(const std::string& host) {
 
 std::string lock_name(const MappedDevice& device) {
   const KnownDevice* const known = find_known_device(device.id);
-  if (known != nullptr && known->bus == Bus::network && !device.address.empty())
-    return fmt::format("{}-{}", numeric_address(device.address), device.port != 0 ? device.port : device.udp_port);
+  if (known != nullptr && known->bus == Bus::network && !device.address.empty()) {
+    const int usual = known->usual_port != 0 ? known->usual_port : device.udp_port;
+    return fmt::format("{}-{}", numeric_address(device.address), device.port != 0 ? device.port : usual);
+  }
   return device.address.empty() ? device.serial : device.address;
 }
 

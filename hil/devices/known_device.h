@@ -52,6 +52,7 @@ struct KnownDevice {
   bool needs_calibration = false;  // a file, which the hardware map names
   // A list of all devices does not connect to it: it may serve one client, or keep one waiting.
   bool connected_when_named = false;
+  int usual_port = 0;  // of its server, if the map's "port" names none; 0: the map's "udp_port" is its address
 
   // What it can be opened as; null: not that. All throw DeviceError where it cannot be opened, UsageError where the
   // hardware map lacks what it needs. The address is there if an example is,

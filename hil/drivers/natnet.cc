@@ -313,6 +313,7 @@ constexpr KnownDevice natnet_device{
     .note = "looked for at the address in the hardware map only",
     .address_example = "192.168.1.10",
     .connected_when_named = true,
+    .usual_port = natnet::command_port,
     .open_poses = [](const MappedDevice& device) -> std::unique_ptr<PoseSource> {
       return open_natnet(mapped_natnet(device));
     },

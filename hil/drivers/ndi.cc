@@ -197,6 +197,7 @@ constexpr std::size_t rom_piece_bytes = 64;
 // TX answers some 70 characters for a tool, and a device has less than 256 port handles (two hexadecimal digits).
 constexpr std::size_t longest_answer_bytes = 1U << 16U;
 constexpr int first_baud = 9600;
+constexpr double counted_Hz = 60.0;  // frames that a Polaris counts, whatever rate it tracks at
 // For the answer to the first command: a device at another speed says nothing, or garbage.
 constexpr double first_answer_s = 0.5;
 // As ndicapi gives it for its reset.
@@ -337,7 +338,7 @@ class NdiSource final : public PoseSource {
       more = line_->read(clock_.now_s()).size();
     const double now = clock_.now_s();
     line_->write(ndi::command("TX:0001"));
-    next_s_ = std::max(next_s_ + 0.5 / options_.rate_Hz, now);
+    next_s_ = std::max(next_s_ + 0.5 / (options_.rate_Hz > 0.0 ? options_.rate_Hz : counted_Hz), now);
     asked_s_ = now;
   }
 
@@ -454,6 +455,16 @@ class NdiSource final : public PoseSource {
   double next_s_ = 0.0, arrived_s_ = 0.0;
 };
 
+NdiOptions mapped_ndi(const MappedDevice& device) {
+  NdiOptions options;
+  options.address = device.address;
+  if (device.port != 0) options.port = device.port;
+  if (device.baud != 0) options.baud = device.baud;
+  options.rate_Hz = device.rate_Hz;
+  options.tool_file = device.tool_file;
+  return options;
+}
+
 }  // namespace
 
 void reach_ndi(const NdiOptions& options) {
@@ -461,20 +472,6 @@ void reach_ndi(const NdiOptions& options) {
 }
 
 std::unique_ptr<PoseSource> open_ndi(const NdiOptions& options) { return std::make_unique<NdiSource>(options); }
-
-namespace {
-
-NdiOptions mapped_ndi(const MappedDevice& device) {
-  NdiOptions options;
-  options.address = device.address;
-  if (device.port != 0) options.port = device.port;
-  if (device.baud != 0) options.baud = device.baud;
-  if (device.rate_Hz > 0.0) options.rate_Hz = device.rate_Hz;
-  options.tool_file = device.tool_file;
-  return options;
-}
-
-}  // namespace
 
 constexpr KnownDevice ndi_device{
     .id = "ndi-polaris",
@@ -485,6 +482,7 @@ constexpr KnownDevice ndi_device{
     .confidence = Confidence::reported,
     .note = "serial node or network address in the hardware map",
     .address_example = "192.168.1.10 or /dev/ttyUSB0",
+    .usual_port = ndi::usual_port,
     .open_poses = [](const MappedDevice& device) -> std::unique_ptr<PoseSource> {
       return open_ndi(mapped_ndi(device));
     },

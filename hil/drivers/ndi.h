@@ -51,7 +51,7 @@ struct NdiOptions {
   int port = ndi::usual_port;
   int baud = 115200;      // what the serial line is switched to; the device begins at 9600
   std::string tool_file;  // definition of a passive tool; empty: a wired tool
-  double rate_Hz = 60.0;  // frames per second
+  double rate_Hz = 0.0;   // frames per second; 0: not known, and it is asked as often as a Polaris counts, 60 a second
   double timeout_s = 5.0;
 };
 

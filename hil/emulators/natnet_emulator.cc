@@ -188,7 +188,7 @@ void NatNetEmulator::serve() {
       frame.tracked = pose.tracked;
       frame.markers.emplace_back();
       frame.time_s = t;
-      const double stamp_s = epoch_s + t + (t > faults_.step_at_s ? faults_.step_s : 0.0);
+      const double stamp_s = epoch_s + t + set_by_s_;
       frame.exposure = static_cast<std::uint64_t>(std::llround(stamp_s * ticks_per_s));
       frame.received = frame.exposure + static_cast<std::uint64_t>(0.0046 * ticks_per_s);
       frame.sent = frame.exposure + static_cast<std::uint64_t>(latency_s * ticks_per_s);

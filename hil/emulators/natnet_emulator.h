@@ -48,10 +48,9 @@ struct NatNetFaults {
   std::uint32_t repeat_every = 0;  // every n-th is sent twice
   std::uint32_t short_every = 0;   // every n-th is cut in half
   std::uint32_t silent_after = 0;
-  std::uint32_t begins_at = 1;           // the first frame's number
-  std::uint32_t begins_again = 0;        // after this many frames the numbers begin at 1
-  double step_at_s = 0.0, step_s = 0.0;  // from then on its clock is so much on
-  bool second_card = false;              // frames come from 127.0.0.2, answers from 127.0.0.1
+  std::uint32_t begins_at = 1;     // the first frame's number
+  std::uint32_t begins_again = 0;  // after this many frames the numbers begin at 1
+  bool second_card = false;        // frames come from 127.0.0.2, answers from 127.0.0.1
 };
 
 class NatNetEmulator {
@@ -67,6 +66,8 @@ class NatNetEmulator {
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
   // From now on it sends nothing.
   void fall_silent() noexcept { silent_ = true; }
+  // Its computer's clock is set, so much on.
+  void set_clock(double by_s) noexcept { set_by_s_ = by_s; }
   // This machine's time at which the emulator's own time was zero.
   [[nodiscard]] double began_s() const noexcept { return began_s_; }
 
@@ -87,7 +88,7 @@ class NatNetEmulator {
   std::string client_;  // its address, as bytes
   std::atomic<bool> stop_{false}, silent_{false};
   std::atomic<std::uint64_t> sent_{0};
-  std::atomic<double> began_s_{0.0};
+  std::atomic<double> began_s_{0.0}, set_by_s_{0.0};
   std::thread thread_;
 };
 

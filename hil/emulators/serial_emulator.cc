@@ -169,8 +169,10 @@ SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, std::f
     std::string said;
     if (t_s < starts_s) return said;
     if (*count == 0) said += adc_library ? "\r\nStarting...\r\nStartup is complete\r\n" : hx711_setup;
-    while (static_cast<double>(*count) / rate_Hz <= t_s - starts_s) {
-      const double value = units(static_cast<double>((*count)++) / rate_Hz);
+    // Read when it is printed: the converter keeps its last value alone, so that a late sketch prints no old ones.
+    if (const double since_s = t_s - starts_s; static_cast<double>(*count) / rate_Hz <= since_s) {
+      *count = static_cast<std::uint64_t>(since_s * rate_Hz) + 1;
+      const double value = units(since_s);
       said += adc_library ? fmt::format("Load_cell output val: {:.2f}\r\n", value)
                           : fmt::format("one reading:\t{:.1f}\t| average:\t{:.1f}\r\n", value, 0.99 * value);
     }

@@ -45,8 +45,8 @@ std::string report_of(double t_s, std::int32_t sensor, const EmulatedPose& pose)
 
 }  // namespace
 
-VrpnEmulator::VrpnEmulator(double rate_Hz, std::function<EmulatedPose(double)> pose, double step_at_s, double step_s)
-    : rate_Hz_(rate_Hz), step_at_s_(step_at_s), step_s_(step_s), pose_(std::move(pose)) {
+VrpnEmulator::VrpnEmulator(double rate_Hz, std::function<EmulatedPose(double)> pose)
+    : rate_Hz_(rate_Hz), pose_(std::move(pose)) {
   const LoopbackSocket opened = listen_on_loopback();
   listener_ = opened.fd;
   port_ = opened.port;
@@ -90,7 +90,7 @@ void VrpnEmulator::serve() {
     while (client >= 0 && static_cast<double>(count + 1) / rate_Hz_ <= since) {
       const double t = static_cast<double>(++count) / rate_Hz_;
       const EmulatedPose pose = pose_(t);
-      const double stamp = began_by_its_clock_s + t + (t > step_at_s_ ? step_s_ : 0.0);
+      const double stamp = began_by_its_clock_s + t + set_by_s_;
       const auto first = report_of(stamp, 0, pose);
       send(first.data(), first.size());
       EmulatedPose other;

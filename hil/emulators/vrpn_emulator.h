@@ -13,24 +13,26 @@ namespace touchstone::hil {
 
 class VrpnEmulator {
  public:
-  // Sensor 0 moves as `pose` says; sensor 1 reports too, elsewhere. After `step_at_s` the server's clock is `step_s`
-  // on.
-  VrpnEmulator(double rate_Hz, std::function<EmulatedPose(double)> pose, double step_at_s = 0.0, double step_s = 0.0);
+  // Sensor 0 moves as `pose` says; sensor 1 reports too, elsewhere.
+  VrpnEmulator(double rate_Hz, std::function<EmulatedPose(double)> pose);
   ~VrpnEmulator();
   VrpnEmulator(const VrpnEmulator&) = delete;
   VrpnEmulator& operator=(const VrpnEmulator&) = delete;
 
   [[nodiscard]] int port() const noexcept { return port_; }
+  // The server's clock is set, so much on.
+  void set_clock(double by_s) noexcept { set_by_s_ = by_s; }
   // The server goes away.
   void close();
 
  private:
   void serve();
 
-  double rate_Hz_, step_at_s_, step_s_;
+  double rate_Hz_;
   std::function<EmulatedPose(double)> pose_;
   int port_ = 0, listener_ = -1;
   std::atomic<bool> stop_{false};
+  std::atomic<double> set_by_s_{0.0};
   std::thread thread_;
 };
 

@@ -243,6 +243,11 @@ TEST(DeviceLock, LeavesFoldersAsTheyAre) {
   ::setenv("TOUCHSTONE_LOCK_DIR", folder.c_str(), 1);
   { const DeviceLock lock(opened_as("novint-falcon", "MODE")); }
   EXPECT_EQ(std::filesystem::status(folder).permissions(), std::filesystem::perms(0700));
+  // Nor is another file overwritten that was given a lock's name.
+  write_file(folder / "letter", "its own words");
+  std::filesystem::create_hard_link(folder / "letter", folder / "novint-falcon-LETTER.lock");
+  EXPECT_THROW(DeviceLock(opened_as("novint-falcon", "LETTER"), 0), DeviceError);
+  EXPECT_EQ(read_file(folder / "letter"), "its own words");
   if (before != nullptr) {
     ::setenv("TOUCHSTONE_LOCK_DIR", kept.c_str(), 1);
   } else {
@@ -263,6 +268,14 @@ TEST(DeviceLock, TheSameSensorHasOneLockWhateverTheMapSaysOfIt) {
   first_server.port = 1510;
   second_server.port = 1512;
   EXPECT_NE(lock_name(first_server), lock_name(second_server));
+  // A port that is left out is the device's usual one.
+  for (const auto& [id, port] : {std::pair("ndi-polaris", 8765), {"optitrack", 1510}, {"vrpn", 3883}}) {
+    MappedDevice said = bare;
+    said.id = id;
+    const auto left_out = lock_name(said);
+    said.port = port;
+    EXPECT_EQ(lock_name(said), left_out) << id;
+  }
   named.udp_port = bare.udp_port = 1000 + ::getpid() % 60000;
   const DeviceLock first(named);
   EXPECT_THROW(DeviceLock{bare}, DeviceError);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -102,10 +103,11 @@ std::string session_text(const SessionExport& session) {
       text += fmt::format("{:<20} times are arrivals\n", "");
       continue;
     }
-    text += fmt::format(
-        "{:<20} clock {:+.1f} ppm{}, arrivals {:.3g} ms late on average, {:.3g} ms at worst; axis good to {:.2g} ms\n",
-        "", r.clock_ppm, r.rate_change_ppm != 0.0 ? fmt::format(", changing by {:+.2f} ppm", r.rate_change_ppm) : "",
-        1e3 * r.mean_delay_s, 1e3 * r.worst_delay_s, 1e3 * r.axis_uncertainty_s);
+    text +=
+        fmt::format("{:<20} {}{}, arrivals {:.3g} ms late on average, {:.3g} ms at worst; axis good to {:.2g} ms\n", "",
+                    std::isfinite(r.clock_ppm) ? fmt::format("clock {:+.1f} ppm", r.clock_ppm) : "rate not stated",
+                    r.rate_change_ppm != 0.0 ? fmt::format(", changing by {:+.2f} ppm", r.rate_change_ppm) : "",
+                    1e3 * r.mean_delay_s, 1e3 * r.worst_delay_s, 1e3 * r.axis_uncertainty_s);
   }
   return text;
 }

@@ -213,7 +213,7 @@ std::string problem_of(const MultiReport::OneStream& s, double seconds) {
   // Over a tenth of a second and more: packets come in lumps.
   if (s.last.nominal_Hz > 0.0 && s.arrival_rate_Hz > 0.0 && s.arrival_rate_Hz < least_rate_share * s.last.nominal_Hz &&
       seconds > std::max(0.1, 10.0 / s.last.nominal_Hz)) {
-    add(fmt::format("samples came at {:.1f} Hz, the device states {:.1f} Hz", s.arrival_rate_Hz, s.last.nominal_Hz));
+    add(fmt::format("samples came at {:.1f} Hz, {:.1f} Hz are stated", s.arrival_rate_Hz, s.last.nominal_Hz));
   }
   return said;
 }

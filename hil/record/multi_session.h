@@ -19,7 +19,7 @@ struct StreamStatus {
   StreamCounters counters;
   std::uint64_t written = 0, lost_in_memory = 0;
   double rate_Hz = 0.0;     // of samples that came in the last seconds
-  double nominal_Hz = 0.0;  // as the device states it; 0: it does not
+  double nominal_Hz = 0.0;  // as the device or the hardware map states it; 0: neither does
   double clock_ppm =
       0.0;  // of the device's clock against this machine's, by the line below all arrivals; NaN: no such clock
   double delay_s = 0.0;   // of the last samples against that line

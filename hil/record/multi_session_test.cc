@@ -21,10 +21,13 @@
 #include "harness/base/error.h"
 #include "harness/base/thread_sanitizer.h"
 #include "hil/drivers/natnet.h"
+#include "hil/drivers/ndi.h"
 #include "hil/emulators/haptic_emulator.h"
 #include "hil/emulators/natnet_emulator.h"
+#include "hil/emulators/ndi_emulator.h"
 #include "hil/emulators/netft_emulator.h"
 #include "hil/emulators/scheduling_lateness.h"
+#include "hil/record/device_recording.h"
 #include "hil/record/stream_export.h"
 
 namespace touchstone::hil {
@@ -108,6 +111,26 @@ TEST_F(MultiSession, ForceTrackerAndHandleTogether) {
   EXPECT_EQ(json["schema"], "touchstone-session/1");
   EXPECT_EQ(json["streams"].size(), 3U);
   EXPECT_EQ(read_file(tracker.csv).substr(0, 50), "t_s,x_m,y_m,z_m,qw,qx,qy,qz,tracked,device_status\n");
+}
+
+// A Polaris that tracks at half its counter's rate, of which the hardware map says nothing: no rate is held against it,
+// and no clock's error is made up.
+TEST_F(MultiSession, ATrackerWhoseRateNobodyStatesIsTakenAsItComes) {
+  const NdiEmulator polaris(30.0, {}, walk);
+  MappedDevice mapped;
+  mapped.id = "ndi-polaris";
+  mapped.address = "127.0.0.1";
+  mapped.port = polaris.port();
+  std::vector<NamedStream> streams;
+  streams.push_back({"tracker", open_stream(mapped, {})});
+  MultiOptions options;
+  options.seconds = 1.5;
+  const auto report = record_streams(std::move(streams), folder_, options, [] { return false; });
+  EXPECT_THAT(report.problems(), IsEmpty());
+  const auto session = export_session(folder_);
+  EXPECT_NEAR(session.tables.at(0).report.rate_Hz, 30.0, 1.0);
+  EXPECT_TRUE(nlohmann::json::parse(read_file(folder_ / "session.json"))["streams"][0]["clock_ppm"].is_null());
+  EXPECT_THAT(session_text(session), HasSubstr("rate not stated"));
 }
 
 // What a screen throws ends the run, not the program: the threads are joined, and what came is on disk.
@@ -272,6 +295,7 @@ TEST_F(MultiSession, AFullDiskEndsTheRunAndSavesWhatWaits) {
   // Beside its beginning the rest is found.
   fs::rename(elsewhere / "force.tsraw.rest", folder_ / "force.tsraw.rest");
   EXPECT_EQ(export_session(folder_).tables[0].report.samples, n);
+  EXPECT_EQ(export_raw({folder_ / "force.tsraw"}, folder_ / "force.csv").samples, n);
   fs::remove_all(elsewhere);
 }
 

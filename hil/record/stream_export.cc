@@ -32,6 +32,12 @@ struct Read {
   }
 };
 
+// With what a full disk left over, if it was moved there (RawRecorder).
+Files with_rest(const std::filesystem::path& raw) {
+  const std::filesystem::path rest = raw.string() + ".rest";
+  return std::filesystem::exists(rest) ? Files{raw, rest} : Files{raw};
+}
+
 Read read_stream(const Files& files) {
   Read read;
   ExportReport& report = read.report;
@@ -184,7 +190,8 @@ std::string ExportReport::axis_problem() const {
       1e3 * axis_uncertainty_s, 1e3 * limit_s);
 }
 
-ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv) {
+ExportReport export_raw(const std::vector<std::filesystem::path>& given, const std::filesystem::path& csv) {
+  const Files files = given.size() == 1 ? with_rest(given.front()) : given;
   Read read = read_stream(files);
   write_table(files, csv, read.report.first_s, read);
   return read.report;
@@ -208,9 +215,7 @@ SessionExport export_session(const std::filesystem::path& folder) {
   std::vector<Read> reads;
   double origin = 1e300;
   for (const auto& path : raw) {
-    files.push_back({path});
-    const auto rest = path.string() + ".rest";
-    if (std::filesystem::exists(rest)) files.back().emplace_back(rest);
+    files.push_back(with_rest(path));
     reads.push_back(read_stream(files.back()));
     origin = std::min(origin, reads.back().report.first_s);
   }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,8 @@ struct ExportReport {
   double first_s = 0.0, last_s = 0.0;              // by this machine's clock
   double mean_delay_s = 0.0, worst_delay_s = 0.0;  // of the arrivals against the time axis; 0 where it is the arrivals
   double axis_uncertainty_s = 0.0;                 // largest of the least delays of 16 stretches
-  double clock_ppm = 0.0;                          // of the device's clock where it states a rate, else 0
-  double rate_change_ppm = 0.0;                    // over the recording, where a drift was found
+  double clock_ppm = std::numeric_limits<double>::quiet_NaN();  // of the device's clock where a rate is stated
+  double rate_change_ppm = 0.0;                                 // over the recording, where a drift was found
   bool emulated = false;
 
   // What is wrong with the times, one sentence; empty: nothing. An axis that is uncertain by more than half a sample
@@ -33,8 +34,8 @@ struct ExportReport {
   [[nodiscard]] std::string axis_problem() const;
 };
 
-// One stream, in one file or several in order (a spilled rest). A force stream gives t_s, fx_N .. tz_Nm, flags; a
-// motion t_s, x_m, y_m, z_m, qw .. qz, tracked, device_status. Throws BadData naming the file.
+// One stream, in one file (and its .rest beside it) or several in order. A force stream gives t_s, fx_N .. tz_Nm,
+// flags; a motion t_s, x_m, y_m, z_m, qw .. qz, tracked, device_status. Throws BadData naming the file.
 ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv);
 
 struct SessionExport {

@@ -65,7 +65,7 @@ void add_pairs(std::vector<Trial>& trials) {
     ::kill(page.rescuer_pid, SIGSTOP);
     ::kill(page.driver_pid, SIGSTOP);
     ::kill(page.guard_pid, SIGSTOP);
-  });
+  }).deadline_s = 0.1;  // as hil render waits; shorter than an ordinary user's patience
   // A device that only one process may have, by its number; and one that takes its time to open.
   for (const Strike& strike : strikes) {
     if (strike.what.find("program") != std::string::npos) continue;

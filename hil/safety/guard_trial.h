@@ -67,7 +67,7 @@ inline GuardOptions options_for(bool timely, std::shared_ptr<GuardPage> page) {
 
 // The program: pushes at 1 kHz through the guard until told to end; stays alive when the guard lets go.
 [[noreturn]] inline void program(const std::filesystem::path& file, FaultOrders& faults, Orders& orders,
-                                 const GuardOptions& options) {
+                                 const GuardOptions& options, double deadline_s) {
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   real_time(79);
@@ -76,7 +76,7 @@ inline GuardOptions options_for(bool timely, std::shared_ptr<GuardPage> page) {
     const auto device = open_guarded([&] { return open_faulty_device(file, faults); }, options);
     for (double t = clock.now_s(); !orders.end; t += 1e-3) {
       const Vec3 force(orders.force_N[0], orders.force_N[1], orders.force_N[2]);
-      device->exchange(orders.push ? force : Vec3(Vec3::Zero()), clock.now_s() + 1.0);
+      device->exchange(orders.push ? force : Vec3(Vec3::Zero()), clock.now_s() + deadline_s);
       clock.sleep_until(t + 1e-3);
     }
     ::_exit(0);
@@ -100,6 +100,7 @@ struct Trial {
   bool no_fault = false;  // nothing is to happen: the force must stay, or the table shows nothing
   // Of the device, from the start.
   bool one_owner = false;
+  double deadline_s = 1.0;  // of the program's exchanges
   double open_takes_s = 0.0;
   // Two faults: the second strikes so long after the first, from when on the time to zero runs. Such a trial ends by
   // ending every process, whatever it still waits for.
@@ -159,7 +160,7 @@ class GuardTrial {
     const pid_t program_pid = ::fork();
     if (program_pid == 0) {
       if (!become(user_)) ::_exit(9);
-      program(file_, *faults_, *orders_, options);
+      program(file_, *faults_, *orders_, options, trial_.deadline_s);
     }
     lateness_ = std::make_unique<GuardLateness>(program_pid, *page_);
     TrialOutcome outcome;

@@ -94,13 +94,14 @@ class Guarded final : public GuardedDevice {
  private:
   GuardReply ask(GuardRequest request, double deadline_s) {
     request.number = ++number_;
+    const double asked_s = clock_.now_s();
     if (!send_message(fd_, request)) throw gone();
     GuardReply reply;
     do {
       switch (receive_message(fd_, reply, std::min(deadline_s, clock_.now_s() + answer_look_s))) {
         case Received::nothing:
           rescue_if_nobody_else();
-          if (clock_.now_s() < deadline_s) continue;
+          if (clock_.now_s() < deadline_s || its_turn_comes(asked_s)) continue;
           throw DeviceError(DeviceStatus::timed_out, fmt::format("{}: no answer before the deadline", identity_.id));
         case Received::gone:
           throw gone();
@@ -114,8 +115,7 @@ class Guarded final : public GuardedDevice {
   // Guard and rescuer are both stopped or dead, and the driver has not let go either by the time at which it would
   // have: this program is the last that can open the device.
   void rescue_if_nobody_else() {
-    const double silent_s = clock_.now_s() - std::max(page_->guard_beat_s, page_->rescuer_beat_s);
-    if (at_zero() || silent_s <= options_.limits.stale_s + 2.0 * options_.watchdog_s) return;
+    if (at_zero() || silent_s() <= patience_s()) return;
     let_write(*page_, true);
     for (const int pid : {page_->driver_pid.load(), page_->rescuer_pid.load(), page_->guard_pid.load()}) {
       if (pid > 0) ::kill(pid, SIGKILL);
@@ -126,6 +126,14 @@ class Guarded final : public GuardedDevice {
       clock_.sleep_until(clock_.now_s() + 0.001);
     let_write(*page_, false);
   }
+  // Neither has shown life since it was asked: whoever waits for an answer waits until it is to act, however short its
+  // own deadline.
+  [[nodiscard]] bool its_turn_comes(double asked_s) const {
+    return !at_zero() && last_beat_s() < asked_s && silent_s() <= patience_s();
+  }
+  [[nodiscard]] double last_beat_s() const { return std::max(page_->guard_beat_s, page_->rescuer_beat_s); }
+  [[nodiscard]] double silent_s() const { return clock_.now_s() - last_beat_s(); }
+  [[nodiscard]] double patience_s() const { return options_.limits.stale_s + 2.0 * options_.watchdog_s; }
   [[nodiscard]] DeviceError gone() const {
     return {DeviceStatus::gone,
             fmt::format("{}: the guard process is gone ({})", identity_.id, to_string(page_->phase)),

@@ -23,6 +23,7 @@
 #define REFUSES_TO_BE_MADE 13
 #define DESCRIBES_NONSENSE 14
 #define PRINTS 15
+#define CRASHES_WHEN_RUN_AGAIN 16
 #ifndef MISBEHAVE
 #define MISBEHAVE NOTHING
 #endif
@@ -93,6 +94,11 @@ int touchstone_step(touchstone_renderer* renderer, const touchstone_tip* tip, to
   /* Around `const`, as a plug-in must not. NOLINTNEXTLINE(performance-no-int-to-ptr) */
   if (MISBEHAVE == WRITES_TO_THE_MESH) *(double*)(uintptr_t)renderer->vertices_W_m = 0.0;
   if (MISBEHAVE == EXITS) exit(7);
+  if (MISBEHAVE == CRASHES_WHEN_RUN_AGAIN) {
+    FILE* const mark = fopen("ran-once", "wx"); /* fails if it is there */
+    if (mark == NULL) crash();
+    fclose(mark);
+  }
   return MISBEHAVE == FAILS_WITH_A_REASON;
 }
 #endif
