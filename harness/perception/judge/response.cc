@@ -176,6 +176,8 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
 
   for (auto& towards : response.slid_towards) towards.assign(knots, 0.0);
   response.slid.assign(knots, 0.0);
+  response.slid_depth_m.assign(knots, 0.0);
+  response.slid_m_per_s.assign(knots, 0.0);
 
   std::vector<ComponentSums> blocks(kBlocks);
   for (auto& block : blocks) block.resize(knots);
@@ -201,12 +203,17 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
       response.slid[knot] += share * sliding;
       response.slid_towards[0][knot] += share * sliding * x;
       response.slid_towards[1][knot] += share * sliding * y;
+      response.slid_depth_m[knot] += share * sliding * d;
+      response.slid_m_per_s[knot] += share * sliding * felt.slide_m_per_s[i] * felt.slide_m_per_s[i];
     }
   }
   if (*std::max_element(response.seen.begin(), response.seen.end()) < kFewestSeen) return std::nullopt;
   for (std::size_t j = 0; j < knots; ++j) {
-    for (auto& towards : response.slid_towards)
-      towards[j] = response.slid[j] > 0.0 ? towards[j] / response.slid[j] : 0.0;
+    if (response.slid[j] > 0.0) {
+      for (auto& towards : response.slid_towards) towards[j] /= response.slid[j];
+      response.slid_depth_m[j] /= response.slid[j];
+      response.slid_m_per_s[j] = std::sqrt(response.slid_m_per_s[j] / response.slid[j]);
+    }
     if (response.seen[j] > 0.0) {
       response.speed_m_per_s[j] = std::sqrt(response.speed_m_per_s[j] / response.seen[j]);
       response.slid[j] /= response.seen[j];

@@ -46,6 +46,8 @@ struct Response {
   std::vector<double> speed_m_per_s;  // root mean square rate of depth at every knot
   std::vector<double> slid;           // share of the samples at every knot that slide
   std::array<std::vector<double>, 2> slid_towards;  // their mean direction: as long as 1 if all slide one way
+  std::vector<double> slid_depth_m;                 // their mean depth: where the friction is known
+  std::vector<double> slid_m_per_s;                 // their root mean square speed
   PlaceGain gain;                                   // over place, of all curves
   ResponseCurves curves;
   std::vector<ResponseCurves> without;  // without block 0 .. kBlocks - 1

@@ -16,7 +16,8 @@ struct SlowEvidence {
   double depth_m = 0.0;
   double real = 0.0;  // force, stiffness, force of the rate or delay, angle, friction: what the channel compares
   double rendered = 0.0;
-  bool delay = false;  // of the rate's: a delay [s] of the force, not damping
+  bool delay = false;    // of the rate's: a delay [s] of the force, not damping
+  double by_hand = 0.0;  // standard error in JND by another load and another speed of the hand
 };
 enum class SlowChannel : unsigned char { force, stiffness, rate, direction, friction };
 inline constexpr std::size_t kSlowChannels = 5;
