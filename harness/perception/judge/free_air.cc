@@ -102,8 +102,9 @@ FreeAir free_air(const FeltSeries& felt, const Response& response) {
   result.windows = squares_N2.size();
   result.force_N = std::sqrt(std::max(0.0, square.value));
   // Of a root: half the relative error of the square, and where the square is all error its root.
-  result.force_error_N =
-      result.force_N * result.force_N > square.error ? 0.5 * square.error / result.force_N : std::sqrt(square.error);
+  const double spread_N2 = square.error * std::sqrt(static_cast<double>(squares_N2.size()));
+  result.force_spread_N =
+      result.force_N * result.force_N > spread_N2 ? 0.5 * spread_N2 / result.force_N : std::sqrt(spread_N2);
   const MeanOf pulled = mean_of(pulls_N);
   result.releases = pulls_N.size();
   result.pull_N = pulled.value;
@@ -126,7 +127,7 @@ AirDifference air_difference(const FreeAir& real, const FreeAir& rendered, bool 
   };
   AirDifference best;
   if (std::min(real.windows, rendered.windows) >= kFewestWindows)
-    best = compared(false, real.force_N, real.force_error_N, rendered.force_N, rendered.force_error_N);
+    best = compared(false, real.force_N, real.force_spread_N, rendered.force_N, rendered.force_spread_N);
   if (std::min(real.releases, rendered.releases) >= kFewestReleases) {
     auto pull = compared(true, real.pull_N, real.pull_error_N, rendered.pull_N, rendered.pull_error_N);
     if (!same_motion) {

@@ -11,9 +11,10 @@
 namespace touchstone::perception {
 
 struct FreeAir {
-  // Root mean square of the mean force of 50 ms, without what the sensor's noise adds.
+  // Root mean square of the mean force of 50 ms, without what the sensor's noise adds, and how far it would be another
+  // from one window alone.
   double force_N = 0.0;
-  double force_error_N = 0.0;
+  double force_spread_N = 0.0;
   std::size_t windows = 0;
   // Largest mean of 20 ms against the outward direction within 0.1 s of leaving, mean over the releases.
   double pull_N = 0.0;
@@ -32,7 +33,8 @@ struct AirDifference {
   double rendered_N = 0.0;
 };
 // In steps of force from nothing. A force in the air that both have goes with the hand (weight, inertia, drag): unless
-// both moved alike, it is only known to a factor of two. A pull may grow with the speed of leaving, or not (growth.h).
+// both moved alike, it is only known to a factor of two, and no better than one window tells it: another hand goes
+// elsewhere. A pull may grow with the speed of leaving, or not (growth.h).
 AirDifference air_difference(const FreeAir& real, const FreeAir& rendered, bool same_motion,
                              const Thresholds& thresholds);
 

@@ -13,6 +13,7 @@
 #include "harness/perception/judge/moments.h"
 #include "harness/perception/judge/slow_channels.h"
 #include "harness/stats/distributions.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
 
@@ -126,6 +127,7 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
       if (lag_s > 0.0 && lag_s <= kLongestLag_s) better = take_out(lag_s);
     }
   }
+  measure_left(*process.response, process.felt);
   process.fast = fast_force(process.felt, *process.response, thresholds);
   process.air = free_air(process.felt, *process.response);
   return process;
@@ -199,7 +201,7 @@ void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProc
   const Response c = by_place ? scaled(*rendered.response, judgement.places.rendered_mean) : *rendered.response;
   if (by_place) tell_unexplored(judgement);
   const auto depths = common_depths_m(r, c);
-  const auto slow = slow_evidence(r, r.curves, c, c.curves, depths, options.thresholds);
+  const auto slow = slow_evidence(r, r.curves, c, c.curves, judgement.same_motion, depths, options.thresholds);
   const auto errors = slow_errors(r, c, judgement.same_motion, depths, options.thresholds);
   constexpr Channel kOrder[kSlowChannels] = {Channel::force, Channel::stiffness, Channel::rate, Channel::direction,
                                              Channel::friction};
@@ -207,7 +209,7 @@ void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProc
     ChannelEvidence& own = of(judgement, kOrder[e]);
     own.known = slow[e].known;
     own.jnd = slow[e].jnd;
-    own.standard_error = errors[e];
+    own.standard_error = std::hypot(errors[e], slow[e].by_hand);
     own.depth_m = slow[e].depth_m;
     if (own.known) describe_slow(own, slow[e], options.thresholds);
     if (!own.known) own.why = why_unknown(own.channel);
@@ -254,6 +256,14 @@ void fill_fast(Judgement& judgement, const JudgedProcess& real, const JudgedProc
           "contact begins at {:.2g} m/s in the real recording and {:.2g} m/s in the other: meet "
           "the object at like speeds",
           real.fast.onset_speed_m_per_s, rendered.fast.onset_speed_m_per_s);
+    }
+    if (found.by_sliding) {
+      const auto typical = [](const std::vector<double>& x) { return x.empty() ? 0.0 : stats::median(x); };
+      own.would_tell = fmt::format(
+          "the tip slides at {:.2g} m/s under {:.2g} N in the real recording, at {:.2g} m/s under {:.2g} N "
+          "in the other: slide at like speeds and loads",
+          typical(real.fast.contact.slide_m_per_s), typical(real.fast.contact.load_N),
+          typical(rendered.fast.contact.slide_m_per_s), typical(rendered.fast.contact.load_N));
     }
   };
   fill(Channel::vibration, vibration_difference(real.fast, rendered.fast, noise, options.thresholds));

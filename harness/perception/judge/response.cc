@@ -278,6 +278,62 @@ double residual_squares_N2(const Response& response, const FeltSeries& felt) {
   return squares;
 }
 
+void measure_left(Response& response, const FeltSeries& felt) {
+  constexpr double kWindow_s = 0.02;
+  const auto length = static_cast<std::size_t>(std::max(4.0, std::round(kWindow_s * felt.rate_Hz)));
+  const auto n = static_cast<double>(length);
+  const std::size_t knots = response.knots();
+  std::vector<double> weights[2] = {std::vector<double>(knots, 0.0), std::vector<double>(knots, 0.0)};
+  std::vector<double> squares[2] = {weights[0], weights[1]};
+  for (std::size_t first = 0; first + length <= felt.size();) {
+    std::array<double, 3> mean{};
+    std::array<double, 3> last{};
+    double noise_N2[2] = {0.0, 0.0};
+    double depth_m = 0.0;
+    double sliding = 0.0;
+    std::size_t i = first;
+    for (; i < first + length && felt.depth_m[i] >= response.contact_m; ++i) {
+      const auto expected_N = expected_force_N(response, felt, response.contact_m, i);
+      for (std::size_t a = 0; a < 3; ++a) {
+        const double error_N = felt.force_N[a][i] - expected_N[a];
+        mean[a] += error_N / n;
+        // Half the mean square of steps is the variance of white noise; of n samples' mean an n-th of that.
+        if (i > first) noise_N2[a == 0 ? 0 : 1] += (error_N - last[a]) * (error_N - last[a]) / (2.0 * n * (n - 1.0));
+        last[a] = error_N;
+      }
+      depth_m += (felt.depth_m[i] - response.contact_m) / n;
+      sliding += std::hypot(felt.slide_x[i], felt.slide_y[i]) > kSliding ? 1.0 / n : 0.0;
+    }
+    if (i < first + length) {
+      first = i + 1;
+      continue;
+    }
+    first = i;
+    const double at = depth_m / response.grid.spacing_m;
+    const auto j = std::min(static_cast<std::size_t>(at), knots - 2);
+    const double right = std::min(at - static_cast<double>(j), 1.0);
+    const double own_N2[2] = {mean[0] * mean[0], mean[1] * mean[1] + mean[2] * mean[2]};
+    const bool even = sliding == 0.0 || sliding > 1.0 - 0.5 / n;
+    for (std::size_t side = 0; side < (even ? 2u : 1u); ++side) {
+      for (const auto& [knot, share] : {std::pair{j, 1.0 - right}, std::pair{j + 1, right}}) {
+        weights[side][knot] += share;
+        squares[side][knot] += share * (own_N2[side] - noise_N2[side]);
+      }
+    }
+  }
+  const auto left = [&](std::size_t side) {
+    std::vector<double> result(knots, 0.0);
+    double before_N = 0.0;  // where no mean is, as beside it
+    for (std::size_t j = 0; j < knots; ++j) {
+      if (weights[side][j] > 0.0) before_N = std::sqrt(std::max(0.0, squares[side][j] / weights[side][j]));
+      result[j] = before_N;
+    }
+    return result;
+  };
+  response.left_N = left(0);
+  response.left_side_N = left(1);
+}
+
 double apparent_lag_s(const Response& response, const ResponseCurves& curves) {
   // A force that is late by the lag is a(d(t - lag)) = a(d) - lag a'(d) d' to first order, so that the part of the rate
   // is b = -lag a'. Least squares over the stretches between knots: lag = -sum w a' b / sum w a'^2. The weight is the

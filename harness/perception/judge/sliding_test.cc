@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -94,7 +95,11 @@ TEST(Sliding, TheHandIsNotJudged) {
 }
 
 // A hand that lands, rests, slides to and fro at one depth and lifts: depths above the strokes are never slid at.
-Recording stroked(double mu, double depth_m, double stroke_s, std::uint64_t seed) {
+struct Ridges {
+  double force_N = 0.0;
+  double width_m = 0.0007;
+};
+Recording stroked(double mu, double depth_m, double stroke_s, std::uint64_t seed, const Ridges& ridges = {}) {
   constexpr double k_N_per_m = 620.0;
   constexpr double kStroke_m = 0.03;
   constexpr double kAbove_m = 0.004;
@@ -123,7 +128,9 @@ Recording stroked(double mu, double depth_m, double stroke_s, std::uint64_t seed
       };
       recording.motion.t_s.push_back(0.001 * static_cast<double>(recording.motion.t_s.size()));
       recording.motion.p_W_m.push_back(Vec3(x_m, 0.0, -depth) + noise(3e-6));
-      recording.f_W_N.push_back(Vec3(-mu * load_N * std::tanh(speed / 0.003), 0.0, load_N) + noise(0.004));
+      const double texture_N =
+          load_N > 0.0 ? ridges.force_N * std::sin(2.0 * std::numbers::pi * x_m / ridges.width_m) : 0.0;
+      recording.f_W_N.push_back(Vec3(-mu * load_N * std::tanh(speed / 0.003), 0.0, load_N + texture_N) + noise(0.004));
     }
   }
   return recording;
@@ -154,6 +161,36 @@ TEST(Sliding, FrictionIsComparedWhereBothSlid) {
     EXPECT_EQ(judged.conditions[3].judgement.verdict, Verdict::noticed) << seed;
   }
   EXPECT_LE(noticed, 1);
+}
+
+// A ridged surface vibrates in proportion to the speed of the stroke.
+TEST(Sliding, ATextureIsComparedAtLikeSpeeds) {
+  const Ridges ridges{.force_N = 0.02};
+  for (std::uint64_t seed = 700; seed < 740; seed += 10) {
+    const Recording real = stroked(0.2, 0.003, 0.5, seed, ridges);
+    const RecordingSource again{"again", [&] { return stroked(0.2, 0.003, 0.5, seed + 1, ridges); }};
+    const RecordingSource slower{"slower", [&] { return stroked(0.2, 0.003, 0.85, seed + 2, ridges); }};
+    const RecordingSource deeper{"deeper", [&] { return stroked(0.2, 0.0042, 0.4, seed + 3, ridges); }};
+    const RecordingSource smooth{"smooth", [&] { return stroked(0.2, 0.003, 0.55, seed + 4); }};
+    const RecordingSource coarse{
+        "coarse", [&] { return stroked(0.2, 0.003, 0.5, seed + 5, {.force_N = 0.02, .width_m = 0.0018}); }};
+    const auto judged = judge_conditions(real, {again}, {slower, deeper, smooth, coarse}, Vec3::UnitZ(), {});
+    for (std::size_t c = 0; c < 2; ++c) {
+      EXPECT_NE(judged.conditions[c].judgement.verdict, Verdict::noticed)
+          << judged.conditions[c].name << " " << seed << ": " << judged.conditions[c].judgement.d_prime;
+    }
+    for (std::size_t c = 2; c < 4; ++c) {
+      EXPECT_EQ(judged.conditions[c].judgement.verdict, Verdict::noticed) << judged.conditions[c].name << " " << seed;
+      EXPECT_EQ(judged.conditions[c].judgement.gives_away, Channel::vibration) << judged.conditions[c].name;
+    }
+  }
+}
+
+TEST(Sliding, SaysAtWhichSpeedsATextureWouldTell) {
+  const Ridges ridges{.force_N = 0.02};
+  const RecordingSource slow{"slow", [&] { return stroked(0.2, 0.003, 2.5, 801); }};
+  const auto judged = judge_conditions(stroked(0.2, 0.003, 0.4, 800, ridges), {}, {slow}, Vec3::UnitZ(), {});
+  EXPECT_THAT(judged.conditions[0].judgement.open, ::testing::HasSubstr("slide at like speeds and loads"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace {
 constexpr double kSlidShare = 0.05;      // of the samples at a depth: less shows no sliding there
 constexpr double kOneWay = 0.9;          // mean direction of sliding: 5 % of the samples slide back
 constexpr double kDirectionForce = 5.0;  // absolute thresholds of force that a direction needs
+constexpr double kBound = 0.5;           // standard errors of what differs by a bound at most: that is two
 
 Vec3 static_force(const ResponseCurves& c, double d, const DepthGrid& grid, bool with_side = true) {
   if (!with_side) return {at_depth(c.normal_N, d, grid), 0.0, 0.0};
@@ -49,6 +50,19 @@ bool side_is_known(const Sliding& a, const Sliding& b) {
 // Both slid one way, and the same: what they feel against it is compared as a whole.
 bool one_way_alike(const Sliding& a, const Sliding& b) {
   return a.slides && b.slides && !a.to_and_fro && !b.to_and_fro && a.towards.dot(b.towards) > kOneWay * kOneWay;
+}
+
+// What the responses of both leave at a depth (response.h): two recordings by other hands may differ by it.
+struct LeftAt {
+  double normal_N = 0.0;
+  double side_N = 0.0;
+
+  [[nodiscard]] double both_N() const { return std::hypot(normal_N, side_N); }
+};
+
+LeftAt left_at(const Response& real, const Response& rendered, double d) {
+  return {std::hypot(at_depth(real.left_N, d, real.grid), at_depth(rendered.left_N, d, rendered.grid)),
+          std::hypot(at_depth(real.left_side_N, d, real.grid), at_depth(rendered.left_side_N, d, rendered.grid))};
 }
 
 // Over all depths where a process slid, each as its samples are, or where `counts` says.
@@ -126,9 +140,7 @@ SlowEvidence friction_evidence(const Response& real, const ResponseCurves& real_
                                       : (other_growth * other.across_N - own_growth * own.across_N).norm();
     const double load_N = at_depth(real_curves.normal_N, d, real.grid);
     SlowEvidence evidence{true, friction_jnd(own_N, other_N, apart_N, load_N, thresholds), d, own_N, other_N};
-    // Friction of other loads may grow otherwise (growth.h), that of another speed as a fluid's at most. A bound is two
-    // standard errors.
-    constexpr double kBound = 0.5;
+    // Friction of other loads may grow otherwise (growth.h), that of another speed as a fluid's at most.
     const GrowthBounds growth = growth_bounds(std::min(own_growth, other_growth), 1.0);
     const double by_load = std::max(growth.most / growth.by_law, growth.by_law / growth.least);
     const double speed = std::abs(std::log(other.slid_m_per_s / own.slid_m_per_s));
@@ -136,7 +148,9 @@ SlowEvidence friction_evidence(const Response& real, const ResponseCurves& real_
     const auto bound = [&](double factor) {
       return kBound * friction_jnd(larger_N, factor * larger_N, (factor - 1.0) * larger_N, load_N, thresholds);
     };
-    evidence.by_hand = std::hypot(bound(by_load), bound(std::exp(speed)));
+    const double left_N = left_at(real, rendered, d).side_N;
+    const double by_left = kBound * friction_jnd(larger_N, larger_N + left_N, left_N, load_N, thresholds);
+    evidence.by_hand = std::hypot(bound(by_load), bound(std::exp(speed)), by_left);
     return evidence;
   }
   return {};
@@ -159,10 +173,10 @@ double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, co
   return dd > 0.0 ? df / dd : 0.0;
 }
 
-void keep_larger(SlowEvidence& evidence, double jnd, double depth_m, double real, double rendered) {
-  evidence.known = true;
-  if (!(jnd > evidence.jnd)) return;
-  evidence = {true, jnd, depth_m, real, rendered};
+// Of depths, the one that differs most beyond what another hand may make of it.
+void keep_larger(SlowEvidence& evidence, const SlowEvidence& other) {
+  const auto certain = [](const SlowEvidence& e) { return e.jnd - e.by_hand / kBound; };
+  if (!evidence.known || certain(other) > certain(evidence)) evidence = other;
 }
 
 }  // namespace
@@ -210,8 +224,8 @@ std::vector<double> common_depths_m(const Response& real, const Response& render
 }
 
 SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_curves, const Response& rendered,
-                            const ResponseCurves& rendered_curves, const std::vector<double>& depths_m,
-                            const Thresholds& thresholds) {
+                            const ResponseCurves& rendered_curves, bool same_motion,
+                            const std::vector<double>& depths_m, const Thresholds& thresholds) {
   SlowEvidences evidence;
   const auto at = [&evidence](SlowChannel c) -> SlowEvidence& { return evidence[static_cast<std::size_t>(c)]; };
   if (depths_m.empty()) return evidence;
@@ -221,6 +235,8 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
   Vec3 real_sum = Vec3::Zero();
   Vec3 rendered_sum = Vec3::Zero();
   double deep = 0.0;
+  double left_mean_N = 0.0;
+  double left_deep_N = 0.0;
   for (const double d : depths_m) {
     const Sliding own_sliding = sliding_at(real, d);
     const Sliding other_sliding = sliding_at(rendered, d);
@@ -229,13 +245,19 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
     const Vec3 fr = static_force(real_curves, d, grid, side_known);
     const Vec3 fc = static_force(rendered_curves, d, grid, side_known);
     const double exponent = depth_exponent(real_curves, d, 0.1 * depths_m.back(), grid);
-    keep_larger(at(SlowChannel::force),
-                force_at_depth_jnd(steps(fc.norm()) - steps(fr.norm()), fr.norm(), fc.norm(), exponent, thresholds), d,
-                fr.norm(), fc.norm());
+    const LeftAt left = same_motion ? LeftAt{} : left_at(real, rendered, d);
+    left_mean_N += left.both_N() / static_cast<double>(depths_m.size());
+    const auto force_jnd = [&](double own_N, double other_N, double own_exponent) {
+      return force_at_depth_jnd(steps(other_N) - steps(own_N), own_N, other_N, own_exponent, thresholds);
+    };
+    const double left_N = side_known ? left.both_N() : left.normal_N;
+    keep_larger(at(SlowChannel::force), {true, force_jnd(fr.norm(), fc.norm(), exponent), d, fr.norm(), fc.norm(),
+                                         false, kBound * force_jnd(fr.norm(), fr.norm() + left_N, exponent)});
     if (d >= 0.6 * depths_m.back() && side_known) {
       real_sum += fr;
       rendered_sum += fc;
       deep += 1.0;
+      left_deep_N += left.side_N;
     }
     const double v = std::min(at_depth(real.speed_m_per_s, d, grid), at_depth(rendered.speed_m_per_s, d, grid));
     // The same object with the damping of either: force on the way in (+) and out (-). An error of the observer's of
@@ -247,8 +269,8 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
       const double own = steady + sign * own_rate;
       const double other = steady + sign * other_rate;
       const double both = own != 0.0 ? std::hypot(exponent * steady, own_rate) / std::abs(own) : 0.0;
-      keep_larger(at(SlowChannel::rate), force_at_depth_jnd(steps(other) - steps(own), own, other, both, thresholds), d,
-                  own_rate, other_rate);
+      keep_larger(at(SlowChannel::rate), {true, force_jnd(own, other, both), d, own_rate, other_rate, false,
+                                          kBound * force_jnd(own, own + left.normal_N, both)});
     }
   }
   at(SlowChannel::friction) =
@@ -267,15 +289,30 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
     const double kr = slope_of(real_curves, depths_m, grid, all_sides_known);
     const double kc = slope_of(rendered_curves, depths_m, grid, all_sides_known);
     if (kr > 0.0 && kc > 0.0) {
-      at(SlowChannel::stiffness) = {true, std::abs(std::log(kc / kr)) / std::log1p(thresholds.stiffness_fraction),
-                                    depths_m.back(), kr, kc};
+      const auto stiffness_jnd = [&](double k) {
+        return std::abs(std::log(k / kr)) / std::log1p(thresholds.stiffness_fraction);
+      };
+      // From one end of the depths to the other.
+      const double left_N_per_m = 2.0 * left_mean_N / (depths_m.back() - depths_m.front());
+      at(SlowChannel::stiffness) = {
+          true, stiffness_jnd(kc), depths_m.back(), kr, kc, false, kBound * stiffness_jnd(kr + left_N_per_m)};
     }
   }
   const double least = kDirectionForce * thresholds.force.absolute_threshold;
   if (deep > 0.0 && real_sum.norm() / deep > least && rendered_sum.norm() / deep > least) {
     // tan = |a x b| / (a . b): exact also where the angle is small, unlike the inverse cosine.
     const double angle = std::atan2(real_sum.cross(rendered_sum).norm(), real_sum.dot(rendered_sum));
-    at(SlowChannel::direction) = {true, angle / thresholds.direction_rad, depths_m.back(), 0.0, angle};
+    const double left_rad = std::atan(left_deep_N / real_sum.norm());
+    at(SlowChannel::direction) = {true,
+                                  angle / thresholds.direction_rad,
+                                  depths_m.back(),
+                                  0.0,
+                                  angle,
+                                  false,
+                                  kBound * left_rad / thresholds.direction_rad};
+  }
+  if (same_motion) {
+    for (auto& own : evidence) own.by_hand = 0.0;
   }
   return evidence;
 }
@@ -292,7 +329,7 @@ std::array<double, kSlowChannels> slow_errors(const Response& real, const Respon
     std::array<double, kSlowChannels> squares{};
     for (std::size_t b = 0; b < kBlocks; ++b) {
       const auto& [r, c] = curves_without(b);
-      const auto evidence = slow_evidence(real, *r, rendered, *c, depths_m, thresholds);
+      const auto evidence = slow_evidence(real, *r, rendered, *c, same_motion, depths_m, thresholds);
       for (std::size_t e = 0; e < kSlowChannels; ++e) {
         sum[e] += evidence[e].jnd;
         squares[e] += evidence[e].jnd * evidence[e].jnd;
@@ -309,9 +346,7 @@ std::array<double, kSlowChannels> slow_errors(const Response& real, const Respon
     gather([&](std::size_t b) { return Pair{&real.without[b], &rendered.curves}; });
     gather([&](std::size_t b) { return Pair{&real.curves, &rendered.without[b]}; });
   }
-  const auto whole = slow_evidence(real, real.curves, rendered, rendered.curves, depths_m, thresholds);
-  for (std::size_t e = 0; e < kSlowChannels; ++e)
-    variance[e] = std::hypot(std::sqrt(variance[e]), same_motion ? 0.0 : whole[e].by_hand);
+  for (double& v : variance) v = std::sqrt(v);
   return variance;
 }
 
