@@ -84,6 +84,9 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
   constexpr double kLongestLag_s = 0.25;
   constexpr double kSettled_s = 1e-5;
   JudgedProcess process;
+  process.shape =
+      reference != nullptr ? reference->shape : surface_shape(felt, 2.0 * thresholds.force.absolute_threshold);
+  if (process.shape) felt = on_shape(std::move(felt), *process.shape);
   // A rendering that gives no force has no contact of its own: it is in contact where the real process is.
   const auto contact_of = [&](const FeltSeries& series) {
     const auto contact = first_contact(series, thresholds.force);
@@ -461,6 +464,11 @@ Judgement judge(const JudgedProcess& real, const JudgedProcess& rendered, const 
   tell_what_is_open(judgement, floor, options);
   judgement.noticed_share = noticed_share(judgement.moments);
   if (!options.keep_moments) judgement.moments.clear();
+  if (real.shape) {
+    judgement.remarks.emplace_back(
+        "the object is curved or slopes against the direction of pressing: depth is measured from the paraboloid that "
+        "its forces show, where the real recording explored it");
+  }
   const double nyquist = std::min(real.fast.nyquist_Hz, rendered.fast.nyquist_Hz);
   if (nyquist < 1000.0) {
     const auto& centres = band_centres_Hz();

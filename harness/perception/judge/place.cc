@@ -332,6 +332,22 @@ class PlaceComparison {
     return error;
   }
 
+  // How far a ratio lies outside all that a side has in this cell and those around it: within a cell an edge may lie
+  // anywhere.
+  [[nodiscard]] double beyond(double ratio, const Key& key, std::size_t side) const {
+    double least = std::numeric_limits<double>::infinity();
+    double most = -least;
+    for (const std::int64_t x : {-1, 0, 1}) {
+      for (const std::int64_t y : {-1, 0, 1}) {
+        const auto found = seen_.find({key[0] + x, key[1] + y, key[2]});
+        if (found == seen_.end() || !(found->second[side].squares > 0.0)) continue;
+        least = std::min(least, found->second[side].ratio());
+        most = std::max(most, found->second[side].ratio());
+      }
+    }
+    return std::max({0.0, least - ratio, ratio - most});
+  }
+
   [[nodiscard]] PlaceDifference other(const Key& key, const std::array<Seen, 2>& both) const {
     PlaceDifference cell;
     const Seen& own = both[0];
@@ -346,10 +362,13 @@ class PlaceComparison {
                           other.samples / static_cast<double>(sides_[1]->felt.size()));
     cell.real_N = own.ratio() * real_even_N;
     cell.rendered_N = other.ratio() * rendered_even_N;
-    count(cell, std::abs(cell.rendered_N - cell.real_N),
-          std::hypot(own.error() * real_even_N, other.error() * rendered_even_N,
-                     within_cell(key, both) * std::max(real_even_N, rendered_even_N)),
-          1.0);
+    const double larger_even_N = std::max(real_even_N, rendered_even_N);
+    const double apart_N = std::max(beyond(cell.real_N / rendered_even_N, key, 1) * rendered_even_N,
+                                    beyond(cell.rendered_N / real_even_N, key, 0) * real_even_N);
+    count(
+        cell, apart_N,
+        std::hypot(own.error() * real_even_N, other.error() * rendered_even_N, within_cell(key, both) * larger_even_N),
+        1.0);
     return cell;
   }
 
