@@ -93,7 +93,14 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
     return !contact.begins_free && reference != nullptr && reference->contact.begins_free ? reference->contact
                                                                                           : contact;
   };
+  // Drag hides where contact begins, and where contact begins is free air.
   process.contact = contact_of(felt);
+  const FeltSeries as_felt = felt;
+  for (int round = 0; round < 2; ++round) {
+    felt = as_felt;
+    process.air.tool = take_out_tool(felt, process.contact);
+    process.contact = contact_of(felt);
+  }
   const DepthGrid own =
       reference != nullptr && reference->response ? reference->response->grid : depth_grid(felt, process.contact);
   process.response = fit_response(felt, process.contact, own);
@@ -132,7 +139,9 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
   }
   measure_left(*process.response, process.felt);
   process.fast = fast_force(process.felt, *process.response, thresholds);
+  const ToolInAir tool = process.air.tool;
   process.air = free_air(process.felt, *process.response);
+  process.air.tool = tool;
   return process;
 }
 

@@ -145,8 +145,17 @@ FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force) {
     if (b == 0 || b == f.size()) return std::nullopt;
     return d[b - 1] + (level - f[b - 1]) / (f[b] - f[b - 1]) * (d[b] - d[b - 1]);
   };
-  const auto once = passes(force.absolute_threshold);
-  const auto thrice = passes(3.0 * force.absolute_threshold);
+  // A weight or an offset of the sensor is no contact: the force that is the same over the least tenth of the depths.
+  double steady_N = 0.0;
+  std::size_t shallow = 0;
+  while (shallow < f.size() && d[shallow] < *low + 0.1 * (*high - *low)) ++shallow;
+  if (shallow >= 2) {
+    const auto [least, most] = std::minmax_element(f.begin(), f.begin() + static_cast<std::ptrdiff_t>(shallow));
+    if (*most - *least < force.absolute_threshold) steady_N = 0.5 * (*most + *least);
+    if (std::abs(steady_N) < 0.5 * force.absolute_threshold) steady_N = 0.0;
+  }
+  const auto once = passes(steady_N + force.absolute_threshold);
+  const auto thrice = passes(steady_N + 3.0 * force.absolute_threshold);
   if (!once || !thrice) return result;
   result.depth_m = *once - 0.5 * std::max(0.0, *thrice - *once);
   result.begins_free = true;

@@ -63,8 +63,8 @@ struct FirstContact {
   double depth_m = 0.0;
   bool begins_free = false;
 };
-// Where the mean force over depth first exceeds the absolute threshold of force, carried back to zero force along its
-// slope.
+// Where the mean force over depth first exceeds the absolute threshold of force, carried back along its slope to no
+// force, or to the steady one of free air.
 FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force);
 
 // A tenth of the deepest press of the reference.
