@@ -24,6 +24,10 @@ std::array<double, kTerms> terms_at(double x, double y) { return {x, y, x * x, x
 double left_m(const Eigen::MatrixXd& rows, const Eigen::VectorXd& depth_m, Eigen::Index used, Eigen::VectorXd& found) {
   Eigen::MatrixXd information = rows.leftCols(used).transpose() * rows.leftCols(used);
   information.diagonal().array() += 1e-9 * information.diagonal().maxCoeff();
+  // Terms reach 1 where the places do: what was not explored stays flat.
+  constexpr double kUnexplored = 1e-4;
+  information.diagonal().tail(used - static_cast<Eigen::Index>(kForceKnots)).array() +=
+      kUnexplored * static_cast<double>(depth_m.size());
   found = solve_symmetric(information, rows.leftCols(used).transpose() * depth_m);
   return (depth_m - rows.leftCols(used) * found).norm() / std::sqrt(static_cast<double>(depth_m.size()));
 }

@@ -82,6 +82,17 @@ TEST(SurfaceShape, IsTheObjectsOwnAndAFlatOneHasNone) {
   ASSERT_TRUE(on_slope);
   EXPECT_NEAR(on_slope->at(0.003, 0.002).slope[0], -0.25, 0.005);
   EXPECT_NEAR(on_slope->at(0.003, 0.002).slope[1], 0.1, 0.005);
+  // Strokes along x alone say nothing of a slope along y.
+  const auto ridge = [](const Vec3& p) {
+    const Vec3 normal = Vec3(-0.25, 0.0, 1.0).normalized();
+    return Contact{normal, -normal.dot(p)};
+  };
+  Recording strokes = looped(ridge, 450.0, {}, 7);
+  for (Vec3& p : strokes.motion.p_W_m) p.y() *= 1e-4;
+  const auto along_x = surface_shape(felt_series(strokes, Vec3::UnitZ()), 0.12);
+  ASSERT_TRUE(along_x);
+  EXPECT_NEAR(along_x->at(0.003, 0.0).slope[0], -0.25, 0.005);
+  EXPECT_NEAR(along_x->at(0.003, 0.0).slope[1], 0.0, 0.005);
   for (const PlantedProcess& flat : kinds_of_surface())
     EXPECT_FALSE(surface_shape(felt_series(planted(flat, 5), Vec3::UnitZ()), 0.12)) << flat.k_N_per_m;
   const auto lumpy = [](const Vec3& p) {
