@@ -145,6 +145,26 @@ std::optional<RecordingFinding> other_unit(const Recording& expected, const Reco
   return std::nullopt;
 }
 
+// Whether the two go the same way at the same times, wherever they are: else their forces differ by the hand, and any
+// other reading may happen to lie nearer.
+bool one_motion(const Recording& expected, const Recording& obtained) {
+  AtTimes there(obtained);
+  std::vector<Vec3> own_m, apart_m;
+  for (std::size_t i = 0; i < expected.size(); i += expected.size() / most_looked_at + 1) {
+    if (!there.find(expected.motion.t_s[i])) continue;
+    own_m.push_back(expected.motion.p_W_m[i]);
+    apart_m.push_back(there.position_m() - expected.motion.p_W_m[i]);
+  }
+  const auto squares_m2 = [](const std::vector<Vec3>& places_m) {
+    Vec3 mean_m = Vec3::Zero();
+    for (const Vec3& p : places_m) mean_m += p / static_cast<double>(places_m.size());
+    double sum = 0.0;
+    for (const Vec3& p : places_m) sum += (p - mean_m).squaredNorm();
+    return sum;
+  };
+  return squares_m2(apart_m) <= most_left_of_pair * most_left_of_pair * squares_m2(own_m);
+}
+
 }  // namespace
 
 std::vector<RecordingFinding> find_pair_faults(const Recording& expected, const Recording& obtained) {
@@ -155,6 +175,7 @@ std::vector<RecordingFinding> find_pair_faults(const Recording& expected, const 
     if (finding) findings.push_back(std::move(*finding));
   };
   add(other_unit(expected, obtained));
+  if (!one_motion(expected, obtained)) return findings;
   const double before_N = force_difference_N(expected, obtained, 0.0, 0, as_recorded);
   if (!std::isfinite(before_N) || !(before_N > 0.0)) return findings;
   // What explains more is named alone: a shift by half of a period looks like a reversed force.

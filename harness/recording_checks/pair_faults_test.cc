@@ -86,5 +86,27 @@ TEST(PairFaults, AnotherForceIsNoFaultOfTheFile) {
   EXPECT_EQ(named({}, {}), "");
 }
 
+// Round and round with friction: a quarter of a turn later, the force of the friction has exchanged its axes.
+TEST(PairFaults, AnotherHandIsNoFaultOfTheFile) {
+  const auto circled = [](double phase) {
+    Recording r;
+    r.source = "circled.csv";
+    for (int i = 0; i < 4000; ++i) {
+      const double t = 0.005 * i;
+      const double angle = 5.0 * t + phase;
+      r.motion.t_s.push_back(t);
+      r.motion.p_W_m.emplace_back(0.015 * std::cos(angle), 0.015 * std::sin(angle), -0.002);
+      r.f_W_N.emplace_back(0.6 * std::sin(angle), -0.6 * std::cos(angle), 1.1);
+    }
+    return r;
+  };
+  for (const double phase : {1.2, 1.6, 2.9}) EXPECT_EQ(named(circled(0.0), circled(phase)), "") << phase;
+  // The same way at another place is one motion.
+  Recording mirrored = circled(0.0);
+  for (Vec3& p : mirrored.motion.p_W_m) p += Vec3(0.2, 0.1, 0.0);
+  for (Vec3& f : mirrored.f_W_N) f.x() = -f.x();
+  EXPECT_THAT(named(circled(0.0), mirrored), ::testing::HasSubstr("fx has the other sign"));
+}
+
 }  // namespace
 }  // namespace touchstone::recording_checks

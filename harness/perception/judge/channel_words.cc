@@ -77,11 +77,19 @@ void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& fo
 }
 
 void describe_air(ChannelEvidence& evidence, const AirDifference& found, const Thresholds& thresholds) {
+  if (found.cue == AirCue::drag || found.cue == AirCue::mass) {
+    const bool drag = found.cue == AirCue::drag;
+    evidence.what = fmt::format("{} of {:.2g} {} instead of {:.2g} {} in free air", drag ? "a drag" : "a mass",
+                                found.rendered, drag ? "N s/m" : "kg", found.real, drag ? "N s/m" : "kg");
+    evidence.remedy = fmt::format("bring it to within {:.0f} % of {:.2g} {}", 100.0 * thresholds.stiffness_fraction,
+                                  found.real, drag ? "N s/m" : "kg");
+    return;
+  }
   evidence.what = fmt::format("{} {:.2g} N instead of {:.2g} N (felt from {:.2g} N on)",
-                              found.release ? "leaving contact pulls with" : "a force in free air of", found.rendered_N,
-                              found.real_N, thresholds.force.absolute_threshold);
+                              found.cue == AirCue::release ? "leaving contact pulls with" : "a force in free air of",
+                              found.rendered, found.real, thresholds.force.absolute_threshold);
   evidence.remedy = fmt::format("bring it to within {:.2g} N of {:.2g} N",
-                                thresholds.force.just_noticeable_difference(found.real_N), found.real_N);
+                                thresholds.force.just_noticeable_difference(found.real), found.real);
 }
 
 std::string why_unknown(Channel channel) {

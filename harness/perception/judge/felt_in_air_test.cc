@@ -1,4 +1,5 @@
 // Force in free air and on release, hum in the air, and delays: what the presses of one hand give and other hands keep.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -83,6 +84,73 @@ TEST(FeltInAir, AForceThatBothHaveIsNoDifference) {
   const RecordingSource again{"again", [&] { return weigh(planted(process, 42)); }};
   const auto judged = judge_conditions(weigh(planted(process, 41)), {again}, {condition}, Vec3::UnitZ(), {});
   EXPECT_NE(judged.conditions[0].judgement.verdict, Verdict::noticed);
+}
+
+// An offset of the sensor, or a weight, along the direction of pressing: contact begins where the force changes.
+TEST(FeltInAir, AnOffsetIsNoContact) {
+  for (const double offset_N : {-0.2, 0.1, 0.3}) {
+    const auto offset = [offset_N](Recording r) {
+      for (Vec3& f : r.f_W_N) f.z() += offset_N;
+      return r;
+    };
+    const PlantedProcess process{.friction = 0.3, .slides = true};
+    PlantedProcess hand = process;
+    hand.load = 1.4;
+    hand.pace = 0.8;
+    const RecordingSource again{"again", [&] { return offset(planted(process, 52)); }};
+    const RecordingSource same{"same", [&] { return offset(planted(hand, 53)); }};
+    const auto judged = judge_conditions(offset(planted(process, 51)), {again}, {same}, Vec3::UnitZ(), {});
+    const auto& channels = judged.conditions[0].judgement.channels;
+    EXPECT_NE(judged.conditions[0].judgement.verdict, Verdict::noticed) << offset_N;
+    EXPECT_TRUE(channels[static_cast<std::size_t>(Channel::position)].known) << offset_N;
+    EXPECT_TRUE(channels[static_cast<std::size_t>(Channel::air)].known) << offset_N;
+    EXPECT_LT(channels[static_cast<std::size_t>(Channel::position)].jnd, 0.1) << offset_N;
+  }
+}
+
+// The whole force of a tool that is dragged through oil, and of its mass, beside presses of a hand that moves on in the
+// air.
+Recording with_tool(const PlantedProcess& process, std::uint64_t seed, double drag_N_s_per_m, double mass_kg) {
+  Recording recording = planted(process, seed);
+  // The planted hand without its noise of the tracker, smoothed.
+  const auto& p = recording.motion.p_W_m;
+  const std::vector<Vec3> force = recording.f_W_N;
+  for (std::size_t i = 20; i + 20 < recording.size(); ++i) {
+    constexpr double kStep_s = 0.02;
+    const Vec3 velocity = (p[i + 10] - p[i - 10]) / kStep_s;
+    const Vec3 acceleration = (p[i + 20] - 2.0 * p[i] + p[i - 20]) / (kStep_s * kStep_s);
+    recording.f_W_N[i] = force[i] - drag_N_s_per_m * velocity - mass_kg * acceleration;
+  }
+  return recording;
+}
+
+TEST(FeltInAir, DragAndMassOfTheToolAreNamedAndAreNotTheObjects) {
+  const PlantedProcess process{.tracker_m = 0.0};
+  struct Case {
+    double drag_N_s_per_m, mass_kg;
+    const char* name;
+  };
+  for (const Case& own : {Case{12.0, 0.0, "a drag of 12 N s/m"}, Case{0.0, 0.8, "a mass of 0.8"}}) {
+    const RecordingSource again{"again", [&] { return planted(process, 62); }};
+    const RecordingSource tool{"tool", [&] { return with_tool(process, 63, own.drag_N_s_per_m, own.mass_kg); }};
+    const auto judged = judge_conditions(planted(process, 61), {again}, {tool}, Vec3::UnitZ(), {});
+    const auto& judgement = judged.conditions[0].judgement;
+    const auto& air = judgement.channels[static_cast<std::size_t>(Channel::air)];
+    EXPECT_THAT(air.what, ::testing::HasSubstr(own.name));
+    EXPECT_EQ(judgement.verdict, Verdict::noticed) << own.name;
+    EXPECT_EQ(judgement.gives_away, Channel::air) << own.name;
+    for (const Channel c : {Channel::force, Channel::stiffness, Channel::rate, Channel::position})
+      EXPECT_LT(judgement.channels[static_cast<std::size_t>(c)].jnd, 0.3) << own.name << " " << name_of(c);
+    // The same tool in both, under another hand.
+    PlantedProcess hand = process;
+    hand.load = 1.3;
+    hand.pace = 1.3;
+    const RecordingSource twice{"twice", [&] { return with_tool(process, 65, own.drag_N_s_per_m, own.mass_kg); }};
+    const RecordingSource other{"other", [&] { return with_tool(hand, 66, own.drag_N_s_per_m, own.mass_kg); }};
+    const auto alike =
+        judge_conditions(with_tool(process, 64, own.drag_N_s_per_m, own.mass_kg), {twice}, {other}, Vec3::UnitZ(), {});
+    EXPECT_NE(alike.conditions[0].judgement.verdict, Verdict::noticed) << own.name;
+  }
 }
 
 // The force of `lag` ago, by whole samples.

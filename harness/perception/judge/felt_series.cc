@@ -18,7 +18,6 @@ namespace {
 
 constexpr double kSmoothing_s = 0.02;
 constexpr double kLongestGap = 20.0;
-constexpr double kRest_m_per_s = 0.001;
 constexpr std::size_t kFewestSamples = 50;
 
 // Mean over 2 m + 1 samples by a running sum, fewer at the ends, and the least-squares slope over the same samples.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,6 +12,7 @@
 #include "harness/perception/judge/moments.h"
 #include "harness/perception/judge/slow_channels.h"
 #include "harness/stats/distributions.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
 
@@ -37,98 +37,6 @@ std::string_view name_of(Verdict verdict) {
 std::string told_share(const Judgement& judgement) {
   return judgement.verdict == Verdict::cannot_tell ? "-"
                                                    : fmt::format("{:.0f} %", 100.0 * judgement.noticed_probability);
-}
-
-namespace {
-
-// Whether a response with a lag leaves no more of the force than the one before, beyond what cannot decide: noise, by
-// the spread of the difference over blocks (Vuong 1989), and the smoothing of the depth. A mean over T is off by d''
-// T^2 / 24 and the slope of the force times that is left by the right lag; the part that goes with the rate may cancel
-// it. Samples beyond the first cell of either are compared: a delay displaces where contact seems to begin.
-bool explains_as_much(const Response& lagged, const FeltSeries& lagged_felt, const Response& before,
-                      const FeltSeries& before_felt) {
-  constexpr double kTwoErrors = 2.0;
-  const std::size_t half = before_felt.smoothed_samples / 2;
-  const double smoothed_s = static_cast<double>(before_felt.smoothed_samples) / before_felt.rate_Hz;
-  const auto& force_over_depth = lagged.curves.normal_N;
-  std::array<double, kBlocks> more_N2{};
-  double by_smoothing_N2 = 0.0;
-  for (std::size_t i = half; i + half < before_felt.size(); ++i) {
-    const double depth_m = lagged_felt.depth_m[i] - lagged.contact_m;
-    const double cell_m = before.grid.spacing_m;
-    if (!(std::min(depth_m, before_felt.depth_m[i] - before.contact_m) > cell_m)) continue;
-    const double force_N = before_felt.force_N[0][i];
-    more_N2[i * kBlocks / before_felt.size()] +=
-        std::pow(force_N - expected_force_N(lagged, lagged_felt, lagged.contact_m, i)[0], 2) -
-        std::pow(force_N - expected_force_N(before, before_felt, before.contact_m, i)[0], 2);
-    const double change_m_per_s =
-        lagged_felt.rate_of_depth_m_per_s[i + half] - lagged_felt.rate_of_depth_m_per_s[i - half];
-    const double slope =
-        (at_depth(force_over_depth, depth_m, lagged.grid) - at_depth(force_over_depth, depth_m - cell_m, lagged.grid)) /
-        cell_m;
-    by_smoothing_N2 += std::pow(slope * change_m_per_s * smoothed_s / 24.0, 2);
-  }
-  double sum_N2 = 0.0;
-  double squares = 0.0;
-  for (const double more : more_N2) sum_N2 += more;
-  constexpr double n = static_cast<double>(kBlocks);
-  for (const double more : more_N2) squares += std::pow(more - sum_N2 / n, 2);
-  const double error_N2 = std::sqrt(n / (n - 1.0) * squares);
-  return sum_N2 <= by_smoothing_N2 + kTwoErrors * error_N2;
-}
-
-}  // namespace
-
-JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, const JudgedProcess* reference) {
-  constexpr double kLongestLag_s = 0.25;
-  constexpr double kSettled_s = 1e-5;
-  JudgedProcess process;
-  // A rendering that gives no force has no contact of its own: it is in contact where the real process is.
-  const auto contact_of = [&](const FeltSeries& series) {
-    const auto contact = first_contact(series, thresholds.force);
-    return !contact.begins_free && reference != nullptr && reference->contact.begins_free ? reference->contact
-                                                                                          : contact;
-  };
-  process.contact = contact_of(felt);
-  const DepthGrid own =
-      reference != nullptr && reference->response ? reference->response->grid : depth_grid(felt, process.contact);
-  process.response = fit_response(felt, process.contact, own);
-  process.felt = std::move(felt);
-  process.prompt_depth_m = process.felt.depth_m;
-  process.prompt_slide_x = process.felt.slide_x;
-  if (!process.response) return process;
-  if (auto with_gain = with_place(*process.response, process.felt)) process.response = std::move(with_gain);
-  // Steps of a secant: the delay that is left after each, halved until less of it is left. A part that goes with the
-  // rate is only the first order of a delay; what is no delay leaves more of the force.
-  const FeltSeries prompt = process.felt;
-  const auto take_out = [&](double lag_s) {
-    FeltSeries lagged = with_lag(prompt, lag_s);
-    const auto contact = contact_of(lagged);
-    auto response = fit_response(lagged, contact, own, process.response->gain);
-    if (!response || !explains_as_much(*response, lagged, *process.response, process.felt)) return false;
-    const double left_s = std::abs(apparent_lag_s(*response, response->curves));
-    if (!(left_s < std::abs(apparent_lag_s(*process.response, process.response->curves)))) return false;
-    response->lag_s = lag_s;
-    process.response = std::move(response);
-    process.contact = contact;
-    process.felt = std::move(lagged);
-    return true;
-  };
-  constexpr int kSteps = 6;
-  bool better = true;
-  for (int step = 0; step < kSteps && better; ++step) {
-    const double before_s = process.response->lag_s;
-    double more_s = apparent_lag_s(*process.response, process.response->curves);
-    better = false;
-    for (int half = 0; half < kSteps && !better; ++half, more_s *= 0.5) {
-      const double lag_s = before_s + more_s;
-      if (!(std::abs(more_s) > kSettled_s)) break;
-      if (lag_s > 0.0 && lag_s <= kLongestLag_s) better = take_out(lag_s);
-    }
-  }
-  process.fast = fast_force(process.felt, *process.response, thresholds);
-  process.air = free_air(process.felt, *process.response);
-  return process;
 }
 
 namespace {
@@ -199,7 +107,7 @@ void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProc
   const Response c = by_place ? scaled(*rendered.response, judgement.places.rendered_mean) : *rendered.response;
   if (by_place) tell_unexplored(judgement);
   const auto depths = common_depths_m(r, c);
-  const auto slow = slow_evidence(r, r.curves, c, c.curves, depths, options.thresholds);
+  const auto slow = slow_evidence(r, r.curves, c, c.curves, judgement.same_motion, depths, options.thresholds);
   const auto errors = slow_errors(r, c, judgement.same_motion, depths, options.thresholds);
   constexpr Channel kOrder[kSlowChannels] = {Channel::force, Channel::stiffness, Channel::rate, Channel::direction,
                                              Channel::friction};
@@ -207,7 +115,7 @@ void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProc
     ChannelEvidence& own = of(judgement, kOrder[e]);
     own.known = slow[e].known;
     own.jnd = slow[e].jnd;
-    own.standard_error = errors[e];
+    own.standard_error = std::hypot(errors[e], slow[e].by_hand);
     own.depth_m = slow[e].depth_m;
     if (own.known) describe_slow(own, slow[e], options.thresholds);
     if (!own.known) own.why = why_unknown(own.channel);
@@ -254,6 +162,14 @@ void fill_fast(Judgement& judgement, const JudgedProcess& real, const JudgedProc
           "contact begins at {:.2g} m/s in the real recording and {:.2g} m/s in the other: meet "
           "the object at like speeds",
           real.fast.onset_speed_m_per_s, rendered.fast.onset_speed_m_per_s);
+    }
+    if (found.by_sliding) {
+      const auto typical = [](const std::vector<double>& x) { return x.empty() ? 0.0 : stats::median(x); };
+      own.would_tell = fmt::format(
+          "the tip slides at {:.2g} m/s under {:.2g} N in the real recording, at {:.2g} m/s under {:.2g} N "
+          "in the other: slide at like speeds and loads",
+          typical(real.fast.contact.slide_m_per_s), typical(real.fast.contact.load_N),
+          typical(rendered.fast.contact.slide_m_per_s), typical(rendered.fast.contact.load_N));
     }
   };
   fill(Channel::vibration, vibration_difference(real.fast, rendered.fast, noise, options.thresholds));
@@ -451,6 +367,11 @@ Judgement judge(const JudgedProcess& real, const JudgedProcess& rendered, const 
   tell_what_is_open(judgement, floor, options);
   judgement.noticed_share = noticed_share(judgement.moments);
   if (!options.keep_moments) judgement.moments.clear();
+  if (real.shape) {
+    judgement.remarks.emplace_back(
+        "the object is curved or slopes against the direction of pressing: depth is measured from the paraboloid that "
+        "its forces show, where the real recording explored it");
+  }
   const double nyquist = std::min(real.fast.nyquist_Hz, rendered.fast.nyquist_Hz);
   if (nyquist < 1000.0) {
     const auto& centres = band_centres_Hz();

@@ -21,6 +21,7 @@
 #include "harness/perception/judge/felt_series.h"
 #include "harness/perception/judge/free_air.h"
 #include "harness/perception/judge/response.h"
+#include "harness/perception/judge/surface_shape.h"
 #include "harness/perception/judge/thresholds.h"
 #include "harness/perception/judge/vibration.h"
 
@@ -39,7 +40,8 @@ struct DeclaredNoise {
 
 // A process, prepared once for all its pairs.
 struct JudgedProcess {
-  FeltSeries felt;  // with the motion of lag ago, as the response has it
+  std::optional<SurfaceShape> shape;  // of the real process's object; nothing: flat, or no paraboloid
+  FeltSeries felt;                    // with the motion of lag ago, as the response has it
   FirstContact contact;
   std::optional<Response> response;  // nothing: never in contact
   FastForce fast;

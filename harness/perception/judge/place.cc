@@ -146,6 +146,7 @@ struct Seen {
   double mixed = 0.0;
   double squares_squares = 0.0;
   double depth_m = 0.0;
+  double place_m[2] = {0.0, 0.0};
   double samples = 0.0;
   double stretches = 0.0;
   // Of the same motion.
@@ -231,7 +232,7 @@ class PlaceComparison {
     double shares = 0.0;
     for (const auto& [key, both] : seen_) {
       if (both[0].samples == 0.0) continue;
-      map.cells.push_back(same_motion_ ? same(both[0]) : other(both));
+      map.cells.push_back(same_motion_ ? same(both[0]) : other(key, both));
       PlaceDifference& cell = map.cells.back();
       cell.centre_m = middle(key, 0) * sides_[0]->felt.axis[1] + middle(key, 1) * sides_[0]->felt.axis[2];
       if (same_motion_ || !cell.known) continue;
@@ -278,6 +279,7 @@ class PlaceComparison {
     double squares = 0.0;
     for (std::size_t i = first; i < end; ++i) {
       in.depth_m += own.felt.depth_m[i] - own.contact.depth_m;
+      for (std::size_t a = 0; a < 2; ++a) in.place_m[a] += own.felt.place_m[a][i];
       const double even_N =
           expected_force_N(*own.response, own.felt, own.contact.depth_m, i)[0] / own.response->gain.of(own.felt, i);
       product += own.felt.force_N[0][i] * even_N;
@@ -307,7 +309,46 @@ class PlaceComparison {
     return cell;
   }
 
-  [[nodiscard]] PlaceDifference other(const std::array<Seen, 2>& both) const {
+  // By how much the ratio of either side may be another within a cell, as standard error: along each axis what it
+  // differs by from the cells beside, all of it where there are none, as far as the two were at different places of
+  // this one. A step may lie between them: half a cell apart, it counts whole.
+  [[nodiscard]] double within_cell(const Key& key, const std::array<Seen, 2>& both) const {
+    constexpr double kBound = 0.5;
+    double error = 0.0;
+    for (std::size_t a = 0; a < 2; ++a) {
+      const double apart_m = std::abs(both[0].place_m[a] / both[0].samples - both[1].place_m[a] / both[1].samples);
+      double most = -1.0;
+      for (const std::int64_t step : {-1, 1}) {
+        Key beside = key;
+        beside[a] += step;
+        const auto found = seen_.find(beside);
+        for (std::size_t side = 0; found != seen_.end() && side < 2; ++side) {
+          const Seen& there = found->second[side];
+          if (there.squares > 0.0) most = std::max(most, std::abs(there.ratio() - both[side].ratio()));
+        }
+      }
+      error += kBound * (most < 0.0 ? 1.0 : most) * std::min(1.0, 2.0 * apart_m / cell_m_);
+    }
+    return error;
+  }
+
+  // How far a ratio lies outside all that a side has in this cell and those around it: within a cell an edge may lie
+  // anywhere.
+  [[nodiscard]] double beyond(double ratio, const Key& key, std::size_t side) const {
+    double least = std::numeric_limits<double>::infinity();
+    double most = -least;
+    for (const std::int64_t x : {-1, 0, 1}) {
+      for (const std::int64_t y : {-1, 0, 1}) {
+        const auto found = seen_.find({key[0] + x, key[1] + y, key[2]});
+        if (found == seen_.end() || !(found->second[side].squares > 0.0)) continue;
+        least = std::min(least, found->second[side].ratio());
+        most = std::max(most, found->second[side].ratio());
+      }
+    }
+    return std::max({0.0, least - ratio, ratio - most});
+  }
+
+  [[nodiscard]] PlaceDifference other(const Key& key, const std::array<Seen, 2>& both) const {
     PlaceDifference cell;
     const Seen& own = both[0];
     const Seen& other = both[1];
@@ -321,8 +362,13 @@ class PlaceComparison {
                           other.samples / static_cast<double>(sides_[1]->felt.size()));
     cell.real_N = own.ratio() * real_even_N;
     cell.rendered_N = other.ratio() * rendered_even_N;
-    count(cell, std::abs(cell.rendered_N - cell.real_N),
-          std::hypot(own.error() * real_even_N, other.error() * rendered_even_N), 1.0);
+    const double larger_even_N = std::max(real_even_N, rendered_even_N);
+    const double apart_N = std::max(beyond(cell.real_N / rendered_even_N, key, 1) * rendered_even_N,
+                                    beyond(cell.rendered_N / real_even_N, key, 0) * real_even_N);
+    count(
+        cell, apart_N,
+        std::hypot(own.error() * real_even_N, other.error() * rendered_even_N, within_cell(key, both) * larger_even_N),
+        1.0);
     return cell;
   }
 

@@ -138,6 +138,29 @@ TEST(Place, WhatOneDidNotExploreIsNotJudged) {
   EXPECT_THAT(judgement.remarks, ::testing::Contains(HasSubstr("cannot tell")));
 }
 
+// The object grows stiffer within a cell, and one hand was on one side of the step alone.
+TEST(Place, AStepWithinACellIsNoDifference) {
+  for (const double step_m : {0.0074, 0.0092, 0.0108}) {
+    Strokes real{.stiffness_N_per_m = [step_m](double x_m) { return x_m < step_m ? 250.0 : 900.0; }};
+    Strokes other = real;
+    other.from_m = step_m + 0.0005;
+    const auto judgement = judged(real, other, 7700);
+    EXPECT_NE(judgement.verdict, Verdict::noticed) << step_m << " " << force_of(judgement).what;
+  }
+}
+
+// The object ends within a cell: nothing is said of where in it.
+TEST(Place, AnEdgeIsNoDifferenceAndAMissingHalfIs) {
+  const auto ends_at = [](double edge_m) {
+    return Strokes{.stiffness_N_per_m = [edge_m](double x_m) { return x_m < edge_m ? 320.0 : 0.0; }};
+  };
+  for (const double apart_m : {0.0002, 0.001}) {
+    const auto judgement = judged(ends_at(0.010), ends_at(0.010 + apart_m), 7720);
+    EXPECT_NE(judgement.gives_away, Channel::force) << apart_m << " " << force_of(judgement).what;
+  }
+  EXPECT_EQ(judged(ends_at(0.010), ends_at(-0.010), 7730).verdict, Verdict::noticed);
+}
+
 // By another rate of the recordings, in a turned frame, with another condition before it: the same difference.
 TEST(Place, RateFrameAndOrderChangeNothing) {
   Strokes real{.stiffness_N_per_m = lump};

@@ -145,8 +145,17 @@ FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force) {
     if (b == 0 || b == f.size()) return std::nullopt;
     return d[b - 1] + (level - f[b - 1]) / (f[b] - f[b - 1]) * (d[b] - d[b - 1]);
   };
-  const auto once = passes(force.absolute_threshold);
-  const auto thrice = passes(3.0 * force.absolute_threshold);
+  // A weight or an offset of the sensor is no contact: the force that is the same over the least tenth of the depths.
+  double steady_N = 0.0;
+  std::size_t shallow = 0;
+  while (shallow < f.size() && d[shallow] < *low + 0.1 * (*high - *low)) ++shallow;
+  if (shallow >= 2) {
+    const auto [least, most] = std::minmax_element(f.begin(), f.begin() + static_cast<std::ptrdiff_t>(shallow));
+    if (*most - *least < force.absolute_threshold) steady_N = 0.5 * (*most + *least);
+    if (std::abs(steady_N) < 0.5 * force.absolute_threshold) steady_N = 0.0;
+  }
+  const auto once = passes(steady_N + force.absolute_threshold);
+  const auto thrice = passes(steady_N + 3.0 * force.absolute_threshold);
   if (!once || !thrice) return result;
   result.depth_m = *once - 0.5 * std::max(0.0, *thrice - *once);
   result.begins_free = true;
@@ -176,6 +185,8 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
 
   for (auto& towards : response.slid_towards) towards.assign(knots, 0.0);
   response.slid.assign(knots, 0.0);
+  response.slid_depth_m.assign(knots, 0.0);
+  response.slid_m_per_s.assign(knots, 0.0);
 
   std::vector<ComponentSums> blocks(kBlocks);
   for (auto& block : blocks) block.resize(knots);
@@ -201,12 +212,17 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
       response.slid[knot] += share * sliding;
       response.slid_towards[0][knot] += share * sliding * x;
       response.slid_towards[1][knot] += share * sliding * y;
+      response.slid_depth_m[knot] += share * sliding * d;
+      response.slid_m_per_s[knot] += share * sliding * felt.slide_m_per_s[i] * felt.slide_m_per_s[i];
     }
   }
   if (*std::max_element(response.seen.begin(), response.seen.end()) < kFewestSeen) return std::nullopt;
   for (std::size_t j = 0; j < knots; ++j) {
-    for (auto& towards : response.slid_towards)
-      towards[j] = response.slid[j] > 0.0 ? towards[j] / response.slid[j] : 0.0;
+    if (response.slid[j] > 0.0) {
+      for (auto& towards : response.slid_towards) towards[j] /= response.slid[j];
+      response.slid_depth_m[j] /= response.slid[j];
+      response.slid_m_per_s[j] = std::sqrt(response.slid_m_per_s[j] / response.slid[j]);
+    }
     if (response.seen[j] > 0.0) {
       response.speed_m_per_s[j] = std::sqrt(response.speed_m_per_s[j] / response.seen[j]);
       response.slid[j] /= response.seen[j];
@@ -269,6 +285,62 @@ double residual_squares_N2(const Response& response, const FeltSeries& felt) {
     squares += error * error;
   }
   return squares;
+}
+
+void measure_left(Response& response, const FeltSeries& felt) {
+  constexpr double kWindow_s = 0.02;
+  const auto length = static_cast<std::size_t>(std::max(4.0, std::round(kWindow_s * felt.rate_Hz)));
+  const auto n = static_cast<double>(length);
+  const std::size_t knots = response.knots();
+  std::vector<double> weights[2] = {std::vector<double>(knots, 0.0), std::vector<double>(knots, 0.0)};
+  std::vector<double> squares[2] = {weights[0], weights[1]};
+  for (std::size_t first = 0; first + length <= felt.size();) {
+    std::array<double, 3> mean{};
+    std::array<double, 3> last{};
+    double noise_N2[2] = {0.0, 0.0};
+    double depth_m = 0.0;
+    double sliding = 0.0;
+    std::size_t i = first;
+    for (; i < first + length && felt.depth_m[i] >= response.contact_m; ++i) {
+      const auto expected_N = expected_force_N(response, felt, response.contact_m, i);
+      for (std::size_t a = 0; a < 3; ++a) {
+        const double error_N = felt.force_N[a][i] - expected_N[a];
+        mean[a] += error_N / n;
+        // Half the mean square of steps is the variance of white noise; of n samples' mean an n-th of that.
+        if (i > first) noise_N2[a == 0 ? 0 : 1] += (error_N - last[a]) * (error_N - last[a]) / (2.0 * n * (n - 1.0));
+        last[a] = error_N;
+      }
+      depth_m += (felt.depth_m[i] - response.contact_m) / n;
+      sliding += std::hypot(felt.slide_x[i], felt.slide_y[i]) > kSliding ? 1.0 / n : 0.0;
+    }
+    if (i < first + length) {
+      first = i + 1;
+      continue;
+    }
+    first = i;
+    const double at = depth_m / response.grid.spacing_m;
+    const auto j = std::min(static_cast<std::size_t>(at), knots - 2);
+    const double right = std::min(at - static_cast<double>(j), 1.0);
+    const double own_N2[2] = {mean[0] * mean[0], mean[1] * mean[1] + mean[2] * mean[2]};
+    const bool even = sliding == 0.0 || sliding > 1.0 - 0.5 / n;
+    for (std::size_t side = 0; side < (even ? 2u : 1u); ++side) {
+      for (const auto& [knot, share] : {std::pair{j, 1.0 - right}, std::pair{j + 1, right}}) {
+        weights[side][knot] += share;
+        squares[side][knot] += share * (own_N2[side] - noise_N2[side]);
+      }
+    }
+  }
+  const auto left = [&](std::size_t side) {
+    std::vector<double> result(knots, 0.0);
+    double before_N = 0.0;  // where no mean is, as beside it
+    for (std::size_t j = 0; j < knots; ++j) {
+      if (weights[side][j] > 0.0) before_N = std::sqrt(std::max(0.0, squares[side][j] / weights[side][j]));
+      result[j] = before_N;
+    }
+    return result;
+  };
+  response.left_N = left(0);
+  response.left_side_N = left(1);
 }
 
 double apparent_lag_s(const Response& response, const ResponseCurves& curves) {

@@ -46,7 +46,13 @@ struct Response {
   std::vector<double> speed_m_per_s;  // root mean square rate of depth at every knot
   std::vector<double> slid;           // share of the samples at every knot that slide
   std::array<std::vector<double>, 2> slid_towards;  // their mean direction: as long as 1 if all slide one way
-  PlaceGain gain;                                   // over place, of all curves
+  std::vector<double> slid_depth_m;                 // their mean depth: where the friction is known
+  std::vector<double> slid_m_per_s;                 // their root mean square speed
+  // Slow force that the curves do not follow, root mean square at every knot: along the direction of pressing, and
+  // across it while the hand slides, or rests, throughout. What another hand meets may differ by it.
+  std::vector<double> left_N;
+  std::vector<double> left_side_N;
+  PlaceGain gain;  // over place, of all curves
   ResponseCurves curves;
   std::vector<ResponseCurves> without;  // without block 0 .. kBlocks - 1
 
@@ -57,8 +63,8 @@ struct FirstContact {
   double depth_m = 0.0;
   bool begins_free = false;
 };
-// Where the mean force over depth first exceeds the absolute threshold of force, carried back to zero force along its
-// slope.
+// Where the mean force over depth first exceeds the absolute threshold of force, carried back along its slope to no
+// force, or to the steady one of free air.
 FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force);
 
 // A tenth of the deepest press of the reference.
@@ -73,6 +79,8 @@ std::optional<Response> with_place(const Response& response, const FeltSeries& f
 
 // Sum of the squared residuals along the outward direction, in contact and in the air.
 double residual_squares_N2(const Response& response, const FeltSeries& felt);
+// Fills in what is left: means over 0.02 s, without what white noise adds to them.
+void measure_left(Response& response, const FeltSeries& felt);
 
 // The delay that the rate's part of the force amounts to: b = -lag a' at every depth, by least squares; below 0 for
 // damping.

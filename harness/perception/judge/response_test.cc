@@ -52,6 +52,20 @@ TEST(Response, IsTheObjectsForceOverDepth) {
   EXPECT_NEAR(residual_squares_N2(*response, felt), 0.0, 1e-8);
 }
 
+// An object that is stiffer in every other press: no force over depth is both.
+TEST(Response, SaysWhatForceItLeaves) {
+  auto felt = presses([](double d) { return 400.0 * d; });
+  auto response = fit_response(felt, kAtZero, {0.001});
+  measure_left(*response, felt);
+  for (const double left_N : response->left_N) EXPECT_LT(left_N, 0.01);
+  for (std::size_t i = 0; i < felt.size(); ++i) felt.force_N[0][i] *= (i / 500) % 2 == 0 ? 1.3 : 0.7;
+  response = fit_response(felt, kAtZero, {0.001});
+  measure_left(*response, felt);
+  for (std::size_t j = 2; j < response->knots(); ++j)
+    EXPECT_NEAR(response->left_N[j], 0.3 * 0.4 * static_cast<double>(j), 0.12) << j;
+  for (const double left_N : response->left_side_N) EXPECT_LT(left_N, 1e-6);
+}
+
 TEST(Response, NothingIsFittedWhereThereIsNoDepth) {
   const auto felt = presses([](double d) { return 400.0 * d; });
   EXPECT_FALSE(fit_response(felt, kAtZero, {0.0}));

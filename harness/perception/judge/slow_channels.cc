@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "harness/base/vec.h"
+#include "harness/perception/judge/growth.h"
 
 namespace touchstone::perception {
 namespace {
@@ -11,6 +12,7 @@ namespace {
 constexpr double kSlidShare = 0.05;      // of the samples at a depth: less shows no sliding there
 constexpr double kOneWay = 0.9;          // mean direction of sliding: 5 % of the samples slide back
 constexpr double kDirectionForce = 5.0;  // absolute thresholds of force that a direction needs
+constexpr double kBound = 0.5;           // standard errors of what differs by a bound at most: that is two
 
 Vec3 static_force(const ResponseCurves& c, double d, const DepthGrid& grid, bool with_side = true) {
   if (!with_side) return {at_depth(c.normal_N, d, grid), 0.0, 0.0};
@@ -29,11 +31,14 @@ struct Sliding {
   Vec3 towards = Vec3::Zero();
 };
 
-Sliding sliding_at(const Response& r, double d) {
-  const double share = at_depth(r.slid, d, r.grid);
-  const Vec3 towards(0.0, at_depth(r.slid_towards[0], d, r.grid), at_depth(r.slid_towards[1], d, r.grid));
+Sliding sliding_of(double share, const Vec3& towards) {
   const bool slides = share > kSlidShare;
   return {slides, slides && towards.norm() < kOneWay, towards};
+}
+
+Sliding sliding_at(const Response& r, double d) {
+  return sliding_of(at_depth(r.slid, d, r.grid),
+                    {0.0, at_depth(r.slid_towards[0], d, r.grid), at_depth(r.slid_towards[1], d, r.grid)});
 }
 
 // Whether the steady forces across of two processes can be compared at a depth: friction hides in them where all
@@ -47,9 +52,108 @@ bool one_way_alike(const Sliding& a, const Sliding& b) {
   return a.slides && b.slides && !a.to_and_fro && !b.to_and_fro && a.towards.dot(b.towards) > kOneWay * kOneWay;
 }
 
-Vec3 force_across(const ResponseCurves& c, double d, const DepthGrid& grid, const Vec3& towards) {
-  return Vec3(0.0, at_depth(c.side_N[0], d, grid), at_depth(c.side_N[1], d, grid)) +
-         at_depth(c.friction_N, d, grid) * towards;
+// What the responses of both leave at a depth (response.h): two recordings by other hands may differ by it.
+struct LeftAt {
+  double normal_N = 0.0;
+  double side_N = 0.0;
+
+  [[nodiscard]] double both_N() const { return std::hypot(normal_N, side_N); }
+};
+
+LeftAt left_at(const Response& real, const Response& rendered, double d) {
+  return {std::hypot(at_depth(real.left_N, d, real.grid), at_depth(rendered.left_N, d, rendered.grid)),
+          std::hypot(at_depth(real.left_side_N, d, real.grid), at_depth(rendered.left_side_N, d, rendered.grid))};
+}
+
+// Over all depths where a process slid, each as its samples are, or where `counts` says.
+struct Rubbed {
+  double weight = 0.0;
+  double depth_m = 0.0;
+  double slid_m_per_s = 0.0;  // root mean square
+  double load_N = 0.0;
+  double friction_N = 0.0;       // against the motion
+  Vec3 across_N = Vec3::Zero();  // all that is met, across the direction of pressing
+};
+
+template <class Weight>
+Rubbed rubbed(const Response& r, const ResponseCurves& c, Weight weight) {
+  Rubbed sum;
+  for (std::size_t j = 0; j < r.knots(); ++j) {
+    const double w = weight(j);
+    if (!(w > 0.0)) continue;
+    const double d = r.slid_depth_m[j];
+    const Vec3 towards(0.0, r.slid_towards[0][j], r.slid_towards[1][j]);
+    sum.weight += w;
+    sum.depth_m += w * d;
+    sum.slid_m_per_s += w * r.slid_m_per_s[j] * r.slid_m_per_s[j];
+    sum.load_N += w * at_depth(c.normal_N, d, r.grid);
+    sum.friction_N += w * at_depth(c.friction_N, d, r.grid);
+    sum.across_N += w * (Vec3(0.0, at_depth(c.side_N[0], d, r.grid), at_depth(c.side_N[1], d, r.grid)) +
+                         at_depth(c.friction_N, d, r.grid) * towards);
+  }
+  if (!(sum.weight > 0.0)) return sum;
+  sum.depth_m /= sum.weight;
+  sum.slid_m_per_s = std::sqrt(sum.slid_m_per_s / sum.weight);
+  sum.load_N /= sum.weight;
+  sum.friction_N /= sum.weight;
+  sum.across_N /= sum.weight;
+  return sum;
+}
+
+// The friction of two processes, where both slid at a depth, else of each where it slid. It goes with the load
+// (Amontons), by which it is taken to the shallower of the two mean depths, and hardly with the speed.
+SlowEvidence friction_evidence(const Response& real, const ResponseCurves& real_curves, const Response& rendered,
+                               const ResponseCurves& rendered_curves, double least_depth_m,
+                               const Thresholds& thresholds) {
+  const std::size_t knots = std::min(real.knots(), rendered.knots());
+  const auto sliding = [](const Response& r, std::size_t j) {
+    return sliding_of(r.slid[j], {0.0, r.slid_towards[0][j], r.slid_towards[1][j]});
+  };
+  const auto slid = [](const Response& r, std::size_t j) { return r.seen[j] * r.slid[j]; };
+  for (const bool to_and_fro : {true, false}) {
+    const auto own_way = [&](const Response& r, std::size_t j) {
+      const Sliding own = sliding(r, j);
+      return own.slides && own.to_and_fro == to_and_fro && r.slid_depth_m[j] >= least_depth_m;
+    };
+    const auto both = [&](std::size_t j) {
+      const bool alike = j < knots && own_way(real, j) && own_way(rendered, j) &&
+                         (to_and_fro || one_way_alike(sliding(real, j), sliding(rendered, j)));
+      return alike ? std::min(slid(real, j), slid(rendered, j)) : 0.0;
+    };
+    Rubbed own = rubbed(real, real_curves, both);
+    Rubbed other = rubbed(rendered, rendered_curves, both);
+    if (to_and_fro && own.weight == 0.0) {
+      const auto alone = [&](const Response& r) {
+        return [&, at = &r](std::size_t j) { return own_way(*at, j) ? slid(*at, j) : 0.0; };
+      };
+      own = rubbed(real, real_curves, alone(real));
+      other = rubbed(rendered, rendered_curves, alone(rendered));
+    }
+    if (!(std::min(own.weight, other.weight) > 0.0) || !(std::min(own.load_N, other.load_N) > 0.0)) continue;
+    const double d = std::min(own.depth_m, other.depth_m);
+    double own_growth = at_depth(real_curves.normal_N, d, real.grid) / own.load_N;
+    double other_growth = at_depth(rendered_curves.normal_N, d, rendered.grid) / other.load_N;
+    // Against the motion: a friction that helps it is apart by the sum.
+    const double own_N = own_growth * (to_and_fro ? std::abs(own.friction_N) : own.across_N.norm());
+    const double other_N = other_growth * (to_and_fro ? std::abs(other.friction_N) : other.across_N.norm());
+    const double apart_N = to_and_fro ? std::abs(other_growth * other.friction_N - own_growth * own.friction_N)
+                                      : (other_growth * other.across_N - own_growth * own.across_N).norm();
+    const double load_N = at_depth(real_curves.normal_N, d, real.grid);
+    SlowEvidence evidence{true, friction_jnd(own_N, other_N, apart_N, load_N, thresholds), d, own_N, other_N};
+    // Friction of other loads may grow otherwise (growth.h), that of another speed as a fluid's at most.
+    const GrowthBounds growth = growth_bounds(std::min(own_growth, other_growth), 1.0);
+    const double by_load = std::max(growth.most / growth.by_law, growth.by_law / growth.least);
+    const double speed = std::abs(std::log(other.slid_m_per_s / own.slid_m_per_s));
+    const double larger_N = std::max(own_N, other_N);
+    const auto bound = [&](double factor) {
+      return kBound * friction_jnd(larger_N, factor * larger_N, (factor - 1.0) * larger_N, load_N, thresholds);
+    };
+    const double left_N = left_at(real, rendered, d).side_N;
+    const double by_left = kBound * friction_jnd(larger_N, larger_N + left_N, left_N, load_N, thresholds);
+    evidence.by_hand = std::hypot(bound(by_load), bound(std::exp(speed)), by_left);
+    return evidence;
+  }
+  return {};
 }
 
 // Least-squares slope of the force's magnitude.
@@ -69,10 +173,10 @@ double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, co
   return dd > 0.0 ? df / dd : 0.0;
 }
 
-void keep_larger(SlowEvidence& evidence, double jnd, double depth_m, double real, double rendered) {
-  evidence.known = true;
-  if (!(jnd > evidence.jnd)) return;
-  evidence = {true, jnd, depth_m, real, rendered, false};
+// Of depths, the one that differs most beyond what another hand may make of it.
+void keep_larger(SlowEvidence& evidence, const SlowEvidence& other) {
+  const auto certain = [](const SlowEvidence& e) { return e.jnd - e.by_hand / kBound; };
+  if (!evidence.known || certain(other) > certain(evidence)) evidence = other;
 }
 
 }  // namespace
@@ -120,8 +224,8 @@ std::vector<double> common_depths_m(const Response& real, const Response& render
 }
 
 SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_curves, const Response& rendered,
-                            const ResponseCurves& rendered_curves, const std::vector<double>& depths_m,
-                            const Thresholds& thresholds) {
+                            const ResponseCurves& rendered_curves, bool same_motion,
+                            const std::vector<double>& depths_m, const Thresholds& thresholds) {
   SlowEvidences evidence;
   const auto at = [&evidence](SlowChannel c) -> SlowEvidence& { return evidence[static_cast<std::size_t>(c)]; };
   if (depths_m.empty()) return evidence;
@@ -131,6 +235,8 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
   Vec3 real_sum = Vec3::Zero();
   Vec3 rendered_sum = Vec3::Zero();
   double deep = 0.0;
+  double left_mean_N = 0.0;
+  double left_deep_N = 0.0;
   for (const double d : depths_m) {
     const Sliding own_sliding = sliding_at(real, d);
     const Sliding other_sliding = sliding_at(rendered, d);
@@ -139,13 +245,19 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
     const Vec3 fr = static_force(real_curves, d, grid, side_known);
     const Vec3 fc = static_force(rendered_curves, d, grid, side_known);
     const double exponent = depth_exponent(real_curves, d, 0.1 * depths_m.back(), grid);
-    keep_larger(at(SlowChannel::force),
-                force_at_depth_jnd(steps(fc.norm()) - steps(fr.norm()), fr.norm(), fc.norm(), exponent, thresholds), d,
-                fr.norm(), fc.norm());
+    const LeftAt left = same_motion ? LeftAt{} : left_at(real, rendered, d);
+    left_mean_N += left.both_N() / static_cast<double>(depths_m.size());
+    const auto force_jnd = [&](double own_N, double other_N, double own_exponent) {
+      return force_at_depth_jnd(steps(other_N) - steps(own_N), own_N, other_N, own_exponent, thresholds);
+    };
+    const double left_N = side_known ? left.both_N() : left.normal_N;
+    keep_larger(at(SlowChannel::force), {true, force_jnd(fr.norm(), fc.norm(), exponent), d, fr.norm(), fc.norm(),
+                                         false, kBound * force_jnd(fr.norm(), fr.norm() + left_N, exponent)});
     if (d >= 0.6 * depths_m.back() && side_known) {
       real_sum += fr;
       rendered_sum += fc;
       deep += 1.0;
+      left_deep_N += left.side_N;
     }
     const double v = std::min(at_depth(real.speed_m_per_s, d, grid), at_depth(rendered.speed_m_per_s, d, grid));
     // The same object with the damping of either: force on the way in (+) and out (-). An error of the observer's of
@@ -157,24 +269,12 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
       const double own = steady + sign * own_rate;
       const double other = steady + sign * other_rate;
       const double both = own != 0.0 ? std::hypot(exponent * steady, own_rate) / std::abs(own) : 0.0;
-      keep_larger(at(SlowChannel::rate), force_at_depth_jnd(steps(other) - steps(own), own, other, both, thresholds), d,
-                  own_rate, other_rate);
-    }
-    if (own_sliding.to_and_fro && other_sliding.to_and_fro) {
-      // Against the motion: a friction that helps it is apart by the sum.
-      const double own = at_depth(real_curves.friction_N, d, grid);
-      const double other = at_depth(rendered_curves.friction_N, d, grid);
-      keep_larger(at(SlowChannel::friction),
-                  friction_jnd(std::abs(own), std::abs(other), std::abs(other - own), fr.norm(), thresholds), d,
-                  std::abs(own), std::abs(other));
-    } else if (one_way_alike(own_sliding, other_sliding)) {
-      const Vec3 own = force_across(real_curves, d, grid, own_sliding.towards);
-      const Vec3 other = force_across(rendered_curves, d, grid, other_sliding.towards);
-      keep_larger(at(SlowChannel::friction),
-                  friction_jnd(own.norm(), other.norm(), (other - own).norm(), fr.norm(), thresholds), d, own.norm(),
-                  other.norm());
+      keep_larger(at(SlowChannel::rate), {true, force_jnd(own, other, both), d, own_rate, other_rate, false,
+                                          kBound * force_jnd(own, own + left.normal_N, both)});
     }
   }
+  at(SlowChannel::friction) =
+      friction_evidence(real, real_curves, rendered, rendered_curves, 0.999 * depths_m.front(), thresholds);
   // A delay that the lag of a response took out counts by its length, whatever force it displaces.
   const auto delay_of = [](const Response& r, const ResponseCurves& c) {
     return r.lag_s > 0.0 ? std::max(0.0, r.lag_s + apparent_lag_s(r, c)) : 0.0;
@@ -183,22 +283,36 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
   const double other_s = delay_of(rendered, rendered_curves);
   const double delay_jnd = std::abs(other_s - own_s) / thresholds.delay_s;
   SlowEvidence& rate = at(SlowChannel::rate);
-  if (delay_jnd > rate.jnd) rate = {true, delay_jnd, depths_m.back(), own_s, other_s, true};
+  if (delay_jnd > rate.jnd) rate = {true, delay_jnd, depths_m.back(), own_s, other_s, true, 0.0};
   if (depths_m.size() >= 3) {
     // Steps of a fraction w each: ratio = (1 + w)^steps.
     const double kr = slope_of(real_curves, depths_m, grid, all_sides_known);
     const double kc = slope_of(rendered_curves, depths_m, grid, all_sides_known);
     if (kr > 0.0 && kc > 0.0) {
+      const auto stiffness_jnd = [&](double k) {
+        return std::abs(std::log(k / kr)) / std::log1p(thresholds.stiffness_fraction);
+      };
+      // From one end of the depths to the other.
+      const double left_N_per_m = 2.0 * left_mean_N / (depths_m.back() - depths_m.front());
       at(SlowChannel::stiffness) = {
-          true, std::abs(std::log(kc / kr)) / std::log1p(thresholds.stiffness_fraction), depths_m.back(), kr, kc,
-          false};
+          true, stiffness_jnd(kc), depths_m.back(), kr, kc, false, kBound * stiffness_jnd(kr + left_N_per_m)};
     }
   }
   const double least = kDirectionForce * thresholds.force.absolute_threshold;
   if (deep > 0.0 && real_sum.norm() / deep > least && rendered_sum.norm() / deep > least) {
     // tan = |a x b| / (a . b): exact also where the angle is small, unlike the inverse cosine.
     const double angle = std::atan2(real_sum.cross(rendered_sum).norm(), real_sum.dot(rendered_sum));
-    at(SlowChannel::direction) = {true, angle / thresholds.direction_rad, depths_m.back(), 0.0, angle, false};
+    const double left_rad = std::atan(left_deep_N / real_sum.norm());
+    at(SlowChannel::direction) = {true,
+                                  angle / thresholds.direction_rad,
+                                  depths_m.back(),
+                                  0.0,
+                                  angle,
+                                  false,
+                                  kBound * left_rad / thresholds.direction_rad};
+  }
+  if (same_motion) {
+    for (auto& own : evidence) own.by_hand = 0.0;
   }
   return evidence;
 }
@@ -215,7 +329,7 @@ std::array<double, kSlowChannels> slow_errors(const Response& real, const Respon
     std::array<double, kSlowChannels> squares{};
     for (std::size_t b = 0; b < kBlocks; ++b) {
       const auto& [r, c] = curves_without(b);
-      const auto evidence = slow_evidence(real, *r, rendered, *c, depths_m, thresholds);
+      const auto evidence = slow_evidence(real, *r, rendered, *c, same_motion, depths_m, thresholds);
       for (std::size_t e = 0; e < kSlowChannels; ++e) {
         sum[e] += evidence[e].jnd;
         squares[e] += evidence[e].jnd * evidence[e].jnd;

@@ -17,6 +17,8 @@ struct SlowEvidence {
   double real = 0.0;  // force, stiffness, force of the rate or delay, angle, friction: what the channel compares
   double rendered = 0.0;
   bool delay = false;  // of the rate's: a delay [s] of the force, not damping
+  // Standard error in JND by another hand: its load and speed where friction is met, and what the responses leave.
+  double by_hand = 0.0;
 };
 enum class SlowChannel : unsigned char { force, stiffness, rate, direction, friction };
 inline constexpr std::size_t kSlowChannels = 5;
@@ -49,8 +51,8 @@ double steady_force_N(const Response& own, const Response& other, double depth_m
 std::vector<double> common_depths_m(const Response& real, const Response& rendered);
 
 SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_curves, const Response& rendered,
-                            const ResponseCurves& rendered_curves, const std::vector<double>& depths_m,
-                            const Thresholds& thresholds);
+                            const ResponseCurves& rendered_curves, bool same_motion,
+                            const std::vector<double>& depths_m, const Thresholds& thresholds);
 
 // Standard errors in JND by leaving out blocks: of both together if they share a motion, else one after the other.
 std::array<double, kSlowChannels> slow_errors(const Response& real, const Response& rendered, bool same_motion,

@@ -23,6 +23,7 @@ constexpr std::size_t kWantedSegments = 4;
 enum class Phase : unsigned char { air, contact, edge };
 
 struct FastParts {
+  const FeltSeries* felt = nullptr;
   std::array<std::vector<double>, 3> residual_N;
   std::vector<Phase> phase;
 };
@@ -46,7 +47,6 @@ class PowerSum {
         window_(length, 1.0),
         sum_(band_centres_Hz().size(), 0.0),
         squares_(sum_),
-        octaves_(sum_),
         of_axis_{sum_, sum_, sum_} {
     double energy = 0.0;
     for (std::size_t i = 0; i < length; ++i) {
@@ -69,16 +69,23 @@ class PowerSum {
     }
   }
 
-  void add(const std::array<std::vector<double>, 3>& x, std::size_t first,
+  void add(const FastParts& parts, std::size_t first,
            double since_contact_s = std::numeric_limits<double>::infinity()) {
-    since_contact_s_.push_back(since_contact_s);
+    const auto& x = parts.residual_N;
+    const auto mean_of = [&](const std::vector<double>& of) {
+      double sum = 0.0;
+      for (std::size_t i = first; i < first + length_; ++i) sum += of[i];
+      return sum / static_cast<double>(length_);
+    };
+    power_.since_contact_s.push_back(since_contact_s);
+    power_.slide_m_per_s.push_back(mean_of(parts.felt->slide_m_per_s));
+    power_.load_N.push_back(mean_of(parts.felt->force_N[0]));
     std::vector<double> bands(sum_.size(), 0.0);
+    std::vector<double> octaves(sum_.size(), 0.0);
     std::vector<double> segment(length_);
     for (std::size_t a = 0; a < x.size(); ++a) {
       const auto& axis = x[a];
-      double mean = 0.0;
-      for (std::size_t i = 0; i < length_; ++i) mean += axis[first + i];
-      mean /= static_cast<double>(length_);
+      const double mean = mean_of(axis);
       for (std::size_t i = 0; i < length_; ++i) segment[i] = window_[i] * (axis[first + i] - mean);
       for (const auto& slow : slow_) {
         double along = 0.0;
@@ -91,24 +98,23 @@ class PowerSum {
         const auto band = static_cast<std::size_t>(band_[k]);
         const double power = weight_[k] * std::norm(spectrum[k]);
         bands[band] += power;
-        octaves_[band] += power * from_centre_[k];
+        octaves[band] += power * from_centre_[k];
         of_axis_[a][band] += power;
       }
     }
-    windows_.push_back(bands);
     for (std::size_t b = 0; b < bands.size(); ++b) {
       sum_[b] += bands[b];
       squares_[b] += bands[b] * bands[b];
     }
+    power_.windows_N2.push_back(std::move(bands));
+    power_.windows_octaves.push_back(std::move(octaves));
     ++count_;
   }
 
   [[nodiscard]] BandPower result() const {
-    BandPower power;
+    BandPower power = power_;
     power.segments = count_;
     power.segment_s = static_cast<double>(length_) / rate_Hz_;
-    power.windows_N2 = windows_;
-    power.since_contact_s = since_contact_s_;
     if (count_ == 0) return power;
     const auto n = static_cast<double>(count_);
     for (std::size_t b = 0; b < sum_.size(); ++b) {
@@ -116,7 +122,9 @@ class PowerSum {
       power.power_N2.push_back(mean);
       const double spread = n > 1.0 ? std::max(0.0, (squares_[b] - n * mean * mean) / (n - 1.0)) : mean * mean;
       power.variance_N4.push_back(spread / n);
-      power.octaves.push_back(sum_[b] > 0.0 ? octaves_[b] / sum_[b] : 0.0);
+      double moment = 0.0;
+      for (const auto& window : power.windows_octaves) moment += window[b];
+      power.octaves.push_back(sum_[b] > 0.0 ? moment / sum_[b] : 0.0);
       // The power of one axis of white noise has 2 / (2 bins) of its square as variance; a taper makes neighbouring
       // bins share what they show, one and a half for one (Welch 1967).
       const auto in_band = static_cast<double>(std::count(band_.begin(), band_.end(), static_cast<int>(b)));
@@ -155,10 +163,8 @@ class PowerSum {
   std::vector<std::vector<double>> slow_;  // taken out beside the mean
   std::vector<double> sum_;
   std::vector<double> squares_;
-  std::vector<double> octaves_;  // power times its octaves from the band's centre
   std::array<std::vector<double>, 3> of_axis_;
-  std::vector<std::vector<double>> windows_;
-  std::vector<double> since_contact_s_;
+  BandPower power_;                  // its windows
   std::vector<int> band_;            // of each frequency of the spectrum
   std::vector<double> from_centre_;  // octaves, of each frequency
   std::vector<double> weight_;       // of each frequency's power
@@ -213,6 +219,7 @@ FeltSeries with_even_direction(const FeltSeries& felt, double typical_m_per_s) {
 
 FastParts fast_parts(const FeltSeries& felt, const Response& response) {
   FastParts parts;
+  parts.felt = &felt;
   for (auto& axis : parts.residual_N) axis.resize(felt.size());
   parts.phase.resize(felt.size());
   double squares = 0.0;
@@ -269,7 +276,7 @@ BandPower window_power(const FastParts& parts, Phase phase, double rate_Hz, std:
                        const Thresholds& thresholds) {
   PowerSum sum(rate_Hz, length, false, thresholds);
   for (const auto& [first, end] : runs(parts.phase, phase, margin)) {
-    for (std::size_t at = first; at + length <= end; at += length) sum.add(parts.residual_N, at);
+    for (std::size_t at = first; at + length <= end; at += length) sum.add(parts, at);
   }
   return sum.result();
 }
@@ -293,7 +300,7 @@ BandPower steady_power(const FastParts& parts, Phase phase, double rate_Hz, std:
         if (parts.phase[seen] == Phase::air) last_air = seen;
       }
       for (std::size_t at = first; at + length <= end; at += std::max<std::size_t>(1, length / 2)) {
-        sum.add(parts.residual_N, at,
+        sum.add(parts, at,
                 last_air ? static_cast<double>(at - *last_air) / rate_Hz : std::numeric_limits<double>::infinity());
       }
     }
@@ -378,7 +385,7 @@ FastForce fast_force(const FeltSeries& felt, const Response& response, const Thr
       continue;
     }
     if (air >= before && felt.rate_of_depth_m_per_s[i] > 0.0) {
-      sum.add(parts.residual_N, i);
+      sum.add(parts, i);
       speeds.push_back(felt.rate_of_depth_m_per_s[i]);
     }
     air = 0;

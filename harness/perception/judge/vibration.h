@@ -27,9 +27,12 @@ struct BandPower {
   std::vector<double> octaves;      // from the band's centre to where its power lies on average
   // Of that mean, if it were Gaussian noise: variance over the square, by how many bins, axes and segments it has.
   std::vector<double> gaussian_share;
-  std::vector<std::vector<double>> windows_N2;  // by segment and band
-  std::vector<double> since_contact_s;          // by segment, when it begins; infinite where no air was before
-  std::size_t segments = 0;                     // 0: nothing was seen, the vectors are empty
+  std::vector<std::vector<double>> windows_N2;       // by segment and band
+  std::vector<std::vector<double>> windows_octaves;  // power times its octaves from the band's centre, likewise
+  std::vector<double> since_contact_s;               // by segment, when it begins; infinite where no air was before
+  std::vector<double> slide_m_per_s;                 // mean over each segment
+  std::vector<double> load_N;
+  std::size_t segments = 0;  // 0: nothing was seen, the vectors are empty
   double segment_s = 0.0;
 };
 
@@ -73,7 +76,8 @@ struct VibrationDifference {
   double frequency_Hz = 0.0;    // centre of the band that differs most
   double real_N = 0.0;          // root mean square in that band
   double rendered_N = 0.0;
-  bool by_hand = false;  // most of the error is that of the speeds of contact
+  bool by_hand = false;     // most of the error is that of the speeds of contact
+  bool by_sliding = false;  // the two hardly slid at one speed under one load
   // Where the strongest band of each has its power, if what differs is how the power is spread; else nothing.
   std::optional<VibrationPitch> pitch;
   double threshold_N = 0.0;  // of that band, root mean square
@@ -92,6 +96,9 @@ struct VibrationDifference {
 // (as the burst below), and is the larger a part of the contact the shorter that is. It is compared as at the real
 // process's speed and time of contact, as far as its growth is known (growth.h): it takes contacts at like speeds to
 // tell.
+//
+// What a sliding tip meets is compared where both slid alike (like_windows.h). Where they did not, all that differs may
+// be the hand's.
 //
 // What noise alone reaches: the error of each power is the larger of its spread over the windows and that of Gaussian
 // noise of the mean power of both recordings before any correction; from few windows it is itself uncertain (Welch

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "harness/perception/judge/growth.h"
+#include "harness/perception/judge/like_windows.h"
 #include "harness/perception/judge/vibration.h"
 #include "harness/perception/judge/vibration_scale.h"
 #include "harness/stats/distributions.h"
@@ -266,9 +268,9 @@ std::vector<double> sensor_noise_N2(const BandPower& air, double nyquist_Hz, con
 }
 
 // In contact, without the noise of tracker and sensor; `air` may be of another recording by the same sensor.
-ComparedPower in_contact(const FastForce& fast, const BandPower& air, double noise_N2_per_Hz,
+ComparedPower in_contact(const FastForce& fast, const BandPower& contact, const BandPower& air, double noise_N2_per_Hz,
                          const Thresholds& thresholds) {
-  ComparedPower result{fast.contact.power_N2, {&fast.contact}};
+  ComparedPower result{contact.power_N2, {&contact}};
   if (air.segments > 0) result.parts.push_back(&air);
   const auto noise_N2 = air.segments > 0 ? sensor_noise_N2(air, fast.nyquist_Hz, thresholds) : std::vector<double>();
   for (std::size_t b = 0; b < result.power_N2.size(); ++b) {
@@ -378,10 +380,18 @@ VibrationDifference vibration_difference(const FastForce& real, const FastForce&
   const auto range_of = [highest_Hz](const BandPower& a, const BandPower& b) {
     return BandRange{std::max(19.0, 1.5 / std::min(a.segment_s, b.segment_s)), highest_Hz, 1.0};
   };
-  const auto own = in_contact(real, own_air ? real.air : more_air, noise_N2_per_Hz, thresholds);
-  auto other = in_contact(rendered, own_air ? rendered.air : more_air, noise_N2_per_Hz, thresholds);
+  const auto like = like_windows(real.contact, rendered.contact);
+  const auto own =
+      in_contact(real, like ? like->real : real.contact, own_air ? real.air : more_air, noise_N2_per_Hz, thresholds);
+  auto other = in_contact(rendered, like ? like->rendered : rendered.contact, own_air ? rendered.air : more_air,
+                          noise_N2_per_Hz, thresholds);
   take_to_hand(other, own, hands_of(real, rendered));
-  const auto contact = difference(own, other, {}, range_of(real.contact, rendered.contact), looks, thresholds);
+  if (!like) {
+    for (std::size_t b = 0; b < other.power_N2.size(); ++b)
+      other.hand_N2[b] = std::max(other.hand_N2[b], std::abs(other.power_N2[b] - own.power_N2[b]));
+  }
+  auto contact = difference(own, other, {}, range_of(real.contact, rendered.contact), looks, thresholds);
+  contact.by_sliding = !like;
   if (!own_air) return contact;
   auto air = difference(in_air(real, thresholds), in_air(rendered, thresholds), {}, range_of(real.air, rendered.air),
                         looks, thresholds);
@@ -417,7 +427,7 @@ VibrationDifference transient_difference(const FastForce& real, const FastForce&
   std::vector<double> masker_N2(bands, 0.0);
   for (const FastForce* fast : {&real, &rendered}) {
     if (fast->contact.segments == 0) continue;
-    const auto steady = in_contact(*fast, fast->air, 0.0, thresholds);
+    const auto steady = in_contact(*fast, fast->contact, fast->air, 0.0, thresholds);
     for (std::size_t b = 0; b < bands; ++b) masker_N2[b] = std::max(masker_N2[b], steady.power_N2[b]);
   }
   const BandRange range{39.0, std::min(real.nyquist_Hz, rendered.nyquist_Hz),
