@@ -88,6 +88,7 @@ void BallProxyOf<Mesh>::start(const V& p) noexcept {
 
 template <class Mesh>
 void BallProxyOf<Mesh>::follow(const V& p) noexcept {
+  gathered_now_ = false;
   if (cone_.friction().none()) return pull(p);
   cone_.follow(*this, p, std::max(rounding_at(p), rounding_at(c_)));
 }
@@ -120,7 +121,6 @@ auto BallProxyOf<Mesh>::rounding_at(const V& x) const noexcept -> S {
 template <class Mesh>
 void BallProxyOf<Mesh>::pull(const V& p) noexcept {
   rounding_ = std::max(rounding_at(p), rounding_at(c_));
-  gathered_now_ = false;
   for (int move = 0; move < kMoves; ++move) {
     ++moves_;
     Holding holding = holding_;
