@@ -424,7 +424,8 @@ report::Page discrepancy_page(const Findings& findings, const std::vector<render
                               const TriangleMesh& mesh, const report::Provenance& provenance) {
   report::Page page;
   page.title = "Where simulation and measurement disagree";
-  page.subtitle = fmt::format("{} against {}", findings.search.start.source, evidence.recording->source);
+  page.subtitle =
+      fmt::format("{} against {}, on {}", findings.search.start.source, evidence.recording->source, mesh.source);
   const discrepancy::ForceGap& gap = findings.gap;
   const std::string of =
       gap.means ? fmt::format("RMS, 3-D, of means over {} samples, ", gap.means->count) : "RMS, 3-D, ";
