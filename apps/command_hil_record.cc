@@ -37,9 +37,8 @@ ExitStatus acquire(const RecordOptions& options, const std::string& force, const
   const std::optional<Extra> extra = find_extra("acquire");
   if (!extra) {
     throw UsageError(
-        "--acquire is the work of the extra `touchstone acquire`; the program touchstone-acquire is neither beside "
-        "this "
-        "one nor on PATH");
+        "--acquire needs the extra `touchstone acquire`; touchstone-acquire is neither beside this program nor on "
+        "PATH");
   }
   std::vector<std::string> words{"run", options.acquire, "--force", force, "--motion", motion};
   words.insert(words.end(), more.begin(), more.end());
