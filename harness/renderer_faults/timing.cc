@@ -370,7 +370,9 @@ std::vector<std::pair<std::string, std::string>> other_kinds(const Response& res
   if (!(late[0] > exact * variance)) return {};
   const auto lag = std::ranges::min_element(late) - late.begin();
   double filtered = variance;
-  for (double a = 0.05; a < 1.0; a += 0.05) {
+  constexpr int tried = 20;
+  for (int k = 1; k < tried; ++k) {
+    const double a = static_cast<double>(k) / tried;
     double left = 0.0, output_N = f[kFrom - 1];
     for (std::size_t i = kFrom; i < f.size(); ++i) {
       output_N = a * output_N + (1.0 - a) * s[i];
