@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 
 struct TwoSample {
   double before = 0.0;  // means
@@ -26,4 +26,4 @@ TwoSample pooled_t_test(std::span<const double> before, std::span<const double> 
 TwoSample pooled_t_test_without(std::span<const double> before, std::span<const double> after, std::size_t outliers,
                                 double floor);
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

@@ -28,7 +28,7 @@
 #include <span>
 #include <vector>
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 
 struct ChangeOptions {
   double false_alarms_per_year = 0.01;  // of one series of daily builds, steps and drift together
@@ -65,4 +65,4 @@ struct ChangeReport {
 // The values must be finite, oldest first.
 ChangeReport find_changes(std::span<const double> values, const ChangeOptions& options = {});
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

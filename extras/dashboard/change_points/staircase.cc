@@ -1,4 +1,4 @@
-#include "harness/stats/staircase.h"
+#include "change_points/staircase.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "harness/stats/quantile.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 namespace {
 
 constexpr std::size_t fewest_steps = 2;  // one step alone is held against a line by its own criterion
@@ -22,7 +22,7 @@ std::vector<double> pulled_in(std::span<const double> values, const Trend& trend
   std::vector<double> residuals(values.size());
   for (std::size_t i = 0; i < values.size(); ++i)
     residuals[i] = values[i] - trend.intercept - trend.slope * static_cast<double>(i);
-  const double most = deviations * median_absolute_deviation(residuals);
+  const double most = deviations * stats::median_absolute_deviation(residuals);
   std::vector<double> out(values.begin(), values.end());
   if (most == 0.0) return out;
   // Offsets leave the comparison as it is; without the intercept the squares do not cancel.
@@ -120,4 +120,4 @@ std::vector<std::size_t> find_staircase(std::span<const double> raw, const Trend
   return best;
 }
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

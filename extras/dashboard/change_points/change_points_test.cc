@@ -1,4 +1,4 @@
-#include "harness/stats/change_points.h"
+#include "change_points/change_points.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 namespace {
 
 using testing::ElementsAre;
@@ -181,4 +181,4 @@ TEST(Changes, LevelsCoverTheSeries) {
 }
 
 }  // namespace
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "harness/stats/change_points.h"
-#include "harness/stats/simulated_noise.h"
+#include "change_points/change_points.h"
+#include "change_points/simulated_noise.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 namespace {
 
 std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
@@ -73,4 +73,4 @@ TEST(Detection, DelayBySize) {
 }
 
 }  // namespace
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

@@ -1,4 +1,4 @@
-#include "harness/stats/change_points.h"
+#include "change_points/change_points.h"
 
 #include <algorithm>
 #include <array>
@@ -6,13 +6,13 @@
 #include <limits>
 #include <numeric>
 
-#include "harness/stats/energy.h"
+#include "change_points/energy.h"
 #include "harness/stats/quantile.h"
-#include "harness/stats/staircase.h"
-#include "harness/stats/trend.h"
-#include "harness/stats/two_sample.h"
+#include "change_points/staircase.h"
+#include "change_points/trend.h"
+#include "change_points/two_sample.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 namespace {
 
 constexpr double builds_per_year = 365.0;
@@ -97,11 +97,11 @@ std::size_t best_place(Values values, std::size_t index, std::size_t smallest) {
   constexpr double deviations = 3.0;
   const auto before = values.first(index);
   const auto after = values.subspan(index);
-  double left = median({before.begin(), before.end()});
-  double right = median({after.begin(), after.end()});
+  double left = stats::median({before.begin(), before.end()});
+  double right = stats::median({after.begin(), after.end()});
   std::vector<double> residuals;
   for (std::size_t i = 0; i < values.size(); ++i) residuals.push_back(values[i] - (i < index ? left : right));
-  double most = deviations * median_absolute_deviation(residuals);
+  double most = deviations * stats::median_absolute_deviation(residuals);
   if (most == 0.0) most = std::numeric_limits<double>::infinity();
   const auto level = [&](Values side, double middle) {
     double sum = 0.0;
@@ -394,4 +394,4 @@ ChangeReport find_changes(std::span<const double> values, const ChangeOptions& o
   return Search(values, options).run();
 }
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

@@ -19,11 +19,11 @@
 #include <span>
 #include <vector>
 
-#include "harness/stats/trend.h"
+#include "change_points/trend.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 
 // The first value of each tread but the lowest; empty if a line explains the values as well. `trend` is theirs.
 std::vector<std::size_t> find_staircase(std::span<const double> values, const Trend& trend);
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

@@ -1,10 +1,10 @@
-#include "harness/stats/energy.h"
+#include "change_points/energy.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 
 EnergySplit largest_energy_split(std::span<const double> values, std::size_t smallest) {
   EnergySplit best;
@@ -36,4 +36,4 @@ EnergySplit largest_energy_split(std::span<const double> values, std::size_t sma
   return best;
 }
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

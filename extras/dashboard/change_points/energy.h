@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <span>
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 
 struct EnergySplit {
   std::size_t index = 0;  // first value after the change; 0: none
@@ -18,4 +18,4 @@ struct EnergySplit {
 // least 2) values on both sides. Quadratic in time, linear in memory.
 EnergySplit largest_energy_split(std::span<const double> values, std::size_t smallest);
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

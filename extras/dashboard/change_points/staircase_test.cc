@@ -1,4 +1,4 @@
-#include "harness/stats/staircase.h"
+#include "change_points/staircase.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 namespace {
 
 using testing::IsEmpty;
@@ -73,4 +73,4 @@ TEST(Staircase, OneStraightLineInTwentyPasses) {
 }
 
 }  // namespace
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

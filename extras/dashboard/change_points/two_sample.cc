@@ -1,4 +1,4 @@
-#include "harness/stats/two_sample.h"
+#include "change_points/two_sample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "harness/stats/quantile.h"
 #include "harness/stats/summary.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 namespace {
 
 struct Residuals {
@@ -35,13 +35,13 @@ std::pair<std::vector<double>, std::vector<double>> winsorized(std::span<const d
   constexpr double deviations = 4.0;
   std::pair clipped(std::vector<double>(before.begin(), before.end()), std::vector<double>(after.begin(), after.end()));
   if (before.size() + after.size() < enough) return clipped;
-  const double left = median(clipped.first);
-  const double right = median(clipped.second);
+  const double left = stats::median(clipped.first);
+  const double right = stats::median(clipped.second);
   std::vector<double> residuals;
   residuals.reserve(before.size() + after.size());
   for (const double value : before) residuals.push_back(value - left);
   for (const double value : after) residuals.push_back(value - right);
-  const double most = deviations * median_absolute_deviation(residuals);
+  const double most = deviations * stats::median_absolute_deviation(residuals);
   if (most == 0.0) return clipped;
   for (double& value : clipped.first) value = std::clamp(value, left - most, left + most);
   for (double& value : clipped.second) value = std::clamp(value, right - most, right + most);
@@ -50,7 +50,7 @@ std::pair<std::vector<double>, std::vector<double>> winsorized(std::span<const d
 
 // The `count` values that pull the mean away from `other` are left out; the order of the rest stays.
 std::vector<double> without(std::span<const double> values, double other, std::size_t count) {
-  const bool above = mean(values) > other;
+  const bool above = stats::mean(values) > other;
   std::vector<double> rest(values.begin(), values.end());
   for (std::size_t i = 0; i < count; ++i)
     rest.erase(above ? std::ranges::max_element(rest) : std::ranges::min_element(rest));
@@ -66,7 +66,7 @@ TwoSample pooled_t_test(std::span<const double> raw_before, std::span<const doub
   const auto [before, after] = winsorized(raw_before, raw_after);
   const auto n = static_cast<double>(before.size());
   const auto m = static_cast<double>(after.size());
-  TwoSample test{mean(before), mean(after), 1.0};
+  TwoSample test{stats::mean(before), stats::mean(after), 1.0};
   if (!(std::abs(test.after - test.before) > floor)) return test;
   Residuals residuals;
   residuals.add(before, test.before);
@@ -82,7 +82,7 @@ TwoSample pooled_t_test(std::span<const double> raw_before, std::span<const doub
   const double correlation = std::clamp(residuals.products / residuals.squares - chance, 0.0, 0.9);
   const double inflation = (1.0 + correlation) / (1.0 - correlation);
   const double error = std::sqrt(residuals.squares / degrees * (1.0 / n + 1.0 / m) * inflation);
-  test.p = student_p((test.after - test.before) / error, degrees);
+  test.p = stats::student_p((test.after - test.before) / error, degrees);
   return test;
 }
 
@@ -101,4 +101,4 @@ TwoSample pooled_t_test_without(std::span<const double> before, std::span<const 
   return test;
 }
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

@@ -9,7 +9,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 
 // normal; Laplace; Student's t with 3 degrees of freedom; log-normal (skewed); two modes at random; normal rounded to
 // half a standard deviation; 2 % outliers of ten standard deviations; correlation 0.3 from build to build.
@@ -43,4 +43,4 @@ inline std::vector<double> series_of(std::string_view noise, std::size_t count, 
   return values;
 }
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

@@ -1,4 +1,4 @@
-#include "harness/stats/trend.h"
+#include "change_points/trend.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "harness/stats/quantile.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 namespace {
 
 // Variance of Kendall's score S of n values in random order: n (n - 1) (2 n + 5) / 18, less the same of each group of
@@ -58,11 +58,11 @@ Trend find_trend(std::span<const double> values) {
       slopes.push_back(difference / static_cast<double>(j - i));
     }
   }
-  trend.slope = median(std::move(slopes));
+  trend.slope = stats::median(std::move(slopes));
   std::vector<double> residuals;
   residuals.reserve(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) residuals.push_back(values[i] - trend.slope * static_cast<double>(i));
-  trend.intercept = median(std::move(residuals));
+  trend.intercept = stats::median(std::move(residuals));
   const double variance = kendall_variance(values) * autocorrelation_time(values, trend);
   if (variance > 0.0) {
     const double z = std::max(0.0, std::abs(score) - 1.0) / std::sqrt(variance);  // one for continuity
@@ -91,4 +91,4 @@ double squares_about_line(std::span<const double> values) {
   return squares;
 }
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <vector>
 
-#include "harness/stats/change_points.h"
-#include "harness/stats/energy.h"
+#include "change_points/change_points.h"
+#include "change_points/energy.h"
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 namespace {
 
 using testing::ElementsAre;
@@ -103,4 +103,4 @@ TEST(Otava, ItsLongSeries) {
 }
 
 }  // namespace
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points

@@ -3,7 +3,7 @@
 
 #include <span>
 
-namespace touchstone::stats {
+namespace touchstone::change_points {
 
 struct Trend {
   double slope = 0.0;      // per value: Theil and Sen's median of the slopes of all pairs
@@ -18,4 +18,4 @@ Trend find_trend(std::span<const double> values);
 // Least squares line through the values at 0, 1, 2, ...: the sum of the squares of its residuals.
 double squares_about_line(std::span<const double> values);
 
-}  // namespace touchstone::stats
+}  // namespace touchstone::change_points
