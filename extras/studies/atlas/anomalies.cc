@@ -1,8 +1,8 @@
-#include "harness/metrics/anomalies.h"
+#include "atlas/anomalies.h"
 
 #include <algorithm>
 
-namespace touchstone::metrics {
+namespace touchstone::atlas {
 namespace {
 
 // Stretches of samples that lag, counted where the exact contact point goes far enough meanwhile.
@@ -67,4 +67,4 @@ Anomalies find_anomalies(const std::vector<TrackedContact>& run, const AnomalyLi
   return found;
 }
 
-}  // namespace touchstone::metrics
+}  // namespace touchstone::atlas

@@ -1,11 +1,11 @@
 // Each detector on cases made by hand, on both sides of its limit.
-#include "harness/metrics/anomalies.h"
+#include "atlas/anomalies.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace touchstone::metrics {
+namespace touchstone::atlas {
 namespace {
 
 // A faultless stroke along x over the plane z = 0, 0.1 mm a sample, pressed 1 mm deep.
@@ -138,4 +138,4 @@ TEST(Anomalies, APathOfExactlyTheLimitIsLongEnough) {
 }
 
 }  // namespace
-}  // namespace touchstone::metrics
+}  // namespace touchstone::atlas

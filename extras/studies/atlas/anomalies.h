@@ -19,7 +19,7 @@
 
 #include "harness/base/vec.h"
 
-namespace touchstone::metrics {
+namespace touchstone::atlas {
 
 // One sample of a run.
 struct TrackedContact {
@@ -55,4 +55,4 @@ struct Anomalies {
 
 Anomalies find_anomalies(const std::vector<TrackedContact>& run, const AnomalyLimits& limits = {});
 
-}  // namespace touchstone::metrics
+}  // namespace touchstone::atlas
