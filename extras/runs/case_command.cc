@@ -1,4 +1,4 @@
-#include "harness/runs/case_command.h"
+#include "case_command.h"
 
 #include <fmt/format.h>
 #include <signal.h>
@@ -11,8 +11,8 @@
 #include "harness/base/hash.h"
 #include "harness/base/progress.h"
 #include "harness/golden/golden_file.h"
-#include "harness/runs/farm.h"
-#include "harness/runs/slurm.h"
+#include "farm.h"
+#include "slurm.h"
 
 namespace touchstone::runs {
 namespace {

@@ -1,4 +1,4 @@
-#include "harness/runs/case_engine.h"
+#include "case_engine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/runs/case_engine.h"
+#include "case_engine.h"
 
 namespace touchstone::runs {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/runs/slurm.h"
+#include "slurm.h"
 
 namespace touchstone::runs {
 

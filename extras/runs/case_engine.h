@@ -6,8 +6,8 @@
 #include <functional>
 #include <string>
 
-#include "harness/runs/case_store.h"
-#include "harness/runs/shard.h"
+#include "case_store.h"
+#include "shard.h"
 
 namespace touchstone::runs {
 

@@ -1,7 +1,7 @@
 // The task's script is run by /bin/sh with a program that keeps rows as a stand-in; the files of HTCondor and
 // Kubernetes are held against the keys that their manuals name, and the latter read by its own client where that is
 // installed.
-#include "harness/runs/farm.h"
+#include "farm.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "harness/runs/case_store.h"
+#include "case_store.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/hash.h"
-#include "harness/runs/statement.h"
+#include "statement.h"
 
 namespace touchstone::runs {
 namespace {

@@ -1,4 +1,4 @@
-#include "harness/runs/design.h"
+#include "design.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

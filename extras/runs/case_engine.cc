@@ -1,4 +1,4 @@
-#include "harness/runs/case_engine.h"
+#include "case_engine.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>

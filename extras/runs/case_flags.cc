@@ -1,15 +1,14 @@
-#include "apps/case_flags.h"
+#include "case_flags.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <memory>
 
-namespace touchstone::apps {
-using runs::CaseOptions;
+namespace touchstone::runs {
 
 void add_case_flags(CLI::App& command, CaseOptions& options, const std::string& cases) {
-  for (const std::string& word : command_line()) options.called_as += (options.called_as.empty() ? "" : " ") + word;
+  for (const std::string& word : apps::command_line()) options.called_as += (options.called_as.empty() ? "" : " ") + word;
   command.add_option("--threads", options.threads, "Default: all cores; with slurm the cores of a task, default 1");
   command.add_option("--shard", options.shard, fmt::format("K/N: only the K-th of N parts of the {}", cases));
   command.add_option("--merge", options.merge, "Put the results of shards together, and say what is missing");
@@ -40,7 +39,7 @@ void add_case_file_flags(CLI::App& command, CaseOptions& options, const std::str
   command.add_flag("--any-build", options.any_build, "Go on with rows that another build of touchstone made");
 }
 
-void add_design_flags(CLI::App& command, Run& run, const std::string& formats, const RunDesign& run_design) {
+void add_design_flags(CLI::App& command, apps::Run& run, const std::string& formats, const RunDesign& run_design) {
   struct Options {
     std::string specification;
     CaseOptions cases;
@@ -57,10 +56,10 @@ void add_design_flags(CLI::App& command, Run& run, const std::string& formats, c
   });
 }
 
-report::InputFile stored_rows(const runs::CaseStore& store, const CaseOptions& options) {
+report::InputFile stored_rows(const CaseStore& store, const CaseOptions& options) {
   return {options.any_build ? "rows, some perhaps of other builds (content)" : "rows (content)",
           options.file.empty() ? "not kept" : options.file, store.content_hash(),
           options.file.empty() ? 0 : std::filesystem::file_size(options.file)};
 }
 
-}  // namespace touchstone::apps
+}  // namespace touchstone::runs

@@ -1,4 +1,4 @@
-#include "harness/runs/shard.h"
+#include "shard.h"
 
 #include <fmt/format.h>
 

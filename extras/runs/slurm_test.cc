@@ -1,4 +1,4 @@
-#include "harness/runs/slurm.h"
+#include "slurm.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

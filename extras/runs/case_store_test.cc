@@ -1,4 +1,4 @@
-#include "harness/runs/case_store.h"
+#include "case_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

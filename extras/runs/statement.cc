@@ -1,4 +1,4 @@
-#include "harness/runs/statement.h"
+#include "statement.h"
 
 #include <fmt/format.h>
 #include <sqlite3.h>

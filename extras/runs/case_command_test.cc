@@ -1,4 +1,4 @@
-#include "harness/runs/case_command.h"
+#include "case_command.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "harness/runs/farm.h"
+#include "farm.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "harness/runs/slurm.h"
+#include "slurm.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "harness/runs/shard.h"
+#include "shard.h"
 
 #include <gtest/gtest.h>
 
