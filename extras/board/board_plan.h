@@ -9,7 +9,7 @@
 
 #include "harness/pipeline/board.h"
 #include "harness/pipeline/evaluation/campaign.h"
-#include "harness/runs/case_engine.h"
+#include "case_engine.h"
 
 namespace touchstone::board {
 

@@ -11,7 +11,7 @@
 #include "harness/golden/case_runner.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/replay.h"
-#include "harness/runs/shared_cache.h"
+#include "shared_cache.h"
 #include "harness/surface/embree_surface.h"
 
 namespace touchstone::sweep {

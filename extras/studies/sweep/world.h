@@ -9,7 +9,7 @@
 
 #include "harness/golden/exact_error.h"
 #include "harness/golden/golden_summary.h"
-#include "harness/runs/design.h"
+#include "design.h"
 
 namespace touchstone::sweep {
 
