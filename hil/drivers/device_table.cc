@@ -8,6 +8,7 @@
 #include "hil/drivers/comedi_daq.h"
 #include "hil/drivers/falcon.h"
 #include "hil/drivers/haply.h"
+#include "hil/drivers/leptrino.h"
 #include "hil/drivers/load_cell.h"
 #include "hil/drivers/natnet.h"
 #include "hil/drivers/ndi.h"
@@ -56,6 +57,7 @@ constexpr std::array devices{
     &onrobot_device,
     &nano17_device,
     &bota_device,
+    &leptrino_device,
     &load_cell_device,
     &natnet_device,
     &vrpn_device,
