@@ -14,6 +14,7 @@
 #include "hil/drivers/ndi.h"
 #include "hil/drivers/netft.h"
 #include "hil/drivers/onrobot.h"
+#include "hil/drivers/qualisys.h"
 #include "hil/drivers/vendor_devices.h"
 #include "hil/drivers/vrpn.h"
 
@@ -62,6 +63,7 @@ constexpr std::array devices{
     &natnet_device,
     &vrpn_device,
     &ndi_device,
+    &qualisys_device,
     &falcon_device,
     &haply_device,
     &force_dimension_omega,
