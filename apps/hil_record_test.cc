@@ -158,6 +158,13 @@ TEST_F(HilRecord, MistakesAreSaid) {
   EXPECT_THAT(run("hil record optitrack hx711-serial --map map.json --out d.tsraw").err, HasSubstr("need a folder"));
   map(R"({"id": "optitrack", "address": "x", "axis": "w"})");
   EXPECT_THAT(run("hil record optitrack --map map.json --out e").err, HasSubstr("x, y or z"));
+  // A sensor in the place of another of its kind.
+  hil::SerialEmulator pfs(hil::leptrino_sensor({}, [](double) { return Wrench{}; }));
+  map(fmt::format(R"({{"id": "leptrino-serial", "address": "{}", "serial": "1906001"}})", pfs.node()));
+  EXPECT_THAT(run("hil record leptrino-serial --map map.json --out f").err,
+              HasSubstr("serial 2606008, the hardware map wants 1906001"));
+  EXPECT_THAT(run("hil record leptrino-serial leptrino-serial --map map.json --out g").err,
+              HasSubstr("leptrino-serial: is named more than once"));
 }
 
 }  // namespace
