@@ -316,8 +316,8 @@ class LeptrinoSource final : public WrenchSource {
     const std::uint64_t damaged = std::exchange(damaged_, 0);
     if (!std::exchange(overflowed_, false) || !count_.started()) return damaged;
     // Those that came with it and wait behind it are later.
-    const auto behind = static_cast<double>(held_.size() / message_bytes);
-    const double ahead = arrivals_.number_at(arrived_s_) - behind - static_cast<double>(count_.sequence());
+    const std::uint64_t behind = held_.size() / message_bytes;
+    const double ahead = arrivals_.number_at(arrived_s_) - static_cast<double>(behind + count_.sequence());
     return std::max(damaged, static_cast<std::uint64_t>(std::max(0.0, std::round(ahead) - 1.0)));
   }
 

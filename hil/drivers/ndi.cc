@@ -364,7 +364,7 @@ class NdiSource final : public PoseSource {
   std::string passive_tool() {
     auto rom = read_file(options_.tool_file);
     rom.resize((rom.size() + rom_piece_bytes - 1) / rom_piece_bytes * rom_piece_bytes, '\0');
-    const auto handle = ask("PHRQ:*********1****").substr(0, 2);
+    auto handle = ask("PHRQ:*********1****").substr(0, 2);
     for (std::size_t at = 0; at < rom.size(); at += rom_piece_bytes) {
       std::string hex;
       for (std::size_t i = 0; i < rom_piece_bytes; ++i)

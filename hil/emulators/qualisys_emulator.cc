@@ -146,7 +146,8 @@ void QualisysEmulator::serve() {
       std::memcpy(&size, heard.data(), sizeof size);
       if (heard.size() < size || size < 8) break;
       const bool streamed = streaming_;
-      say(answer(std::string(heard.substr(8, size - 8).c_str())));
+      const std::string text = heard.substr(8, size - 8);  // with a zero, or without
+      say(answer(text.substr(0, text.find('\0'))));
       if (streaming_ && !streamed) count = 0, began = clock.now_s();
       heard.erase(0, size);
     }

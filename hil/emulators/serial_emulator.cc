@@ -57,7 +57,8 @@ int baud_of(int line) {
 
 class Bota {
  public:
-  Bota(BotaFaults faults, std::function<Wrench(double)> wrench) : faults_(faults), wrench_(std::move(wrench)) {}
+  Bota(BotaFaults faults, std::function<Wrench(double)> wrench)
+      : faults_(std::move(faults)), wrench_(std::move(wrench)) {}
 
   std::string operator()(const std::string& came, double t_s) {
     std::string said;
@@ -249,7 +250,7 @@ void SerialEmulator::unplug() {
 }
 
 SerialEmulator::Device bota_sensor(BotaFaults faults, std::function<Wrench(double)> wrench) {
-  const auto sensor = std::make_shared<Bota>(faults, std::move(wrench));
+  const auto sensor = std::make_shared<Bota>(std::move(faults), std::move(wrench));
   return [sensor](const std::string& came, double t_s, int) { return (*sensor)(came, t_s); };
 }
 
@@ -258,7 +259,7 @@ SerialEmulator::Device leptrino_sensor(LeptrinoFaults faults, std::function<Wren
   return [sensor](const std::string& came, double t_s, int) { return (*sensor)(came, t_s); };
 }
 
-SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, std::function<double(double)> units) {
+SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, const std::function<double(double)>& units) {
   const auto count = std::make_shared<std::uint64_t>(0);
   return [=](const std::string&, double t_s, int) {
     constexpr double starts_s = 0.5;

@@ -66,6 +66,6 @@ SerialEmulator::Device leptrino_sensor(LeptrinoFaults faults, std::function<Wren
 // A microcontroller that prints the load [units] as the example sketch of HX711 (HX711_full_example.ino, from its
 // setup() on, without the pause of 5 s between readings) or of HX711_ADC does. It begins half a second after its line
 // was opened, as one that the opening resets.
-SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, std::function<double(double)> units);
+SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, const std::function<double(double)>& units);
 
 }  // namespace touchstone::hil
