@@ -28,6 +28,8 @@ std::span<const unsigned char> line_bytes(const std::string& text) {
 
 // The time of a sample is in its z force.
 Wrench leaning(double t) { return {Vec3(std::sin(t), 5.0, -t), Vec3(0.1, 0.01 * t, -0.2)}; }
+// The rated force of a sensor whose counts along z are 4 ms.
+constexpr float fine_N = 20.0F;
 double time_in(const WrenchSample& s) { return -s.wrench.f_N.z(); }
 
 // So many samples, with the patience that a busy machine needs.
@@ -130,6 +132,7 @@ TEST(Leptrino, ProtocolOneThirteenDoesNotSayItsRate) {
 TEST(Leptrino, WhatOverflowsIsCountedByTheRate) {
   LeptrinoFaults faults;
   faults.overflow_at = 500;
+  faults.rated_force_N = fine_N;
   SerialEmulator sensor(leptrino_sensor(faults, leaning));
   const auto source = open_at(sensor);
   source->start();
@@ -144,6 +147,7 @@ TEST(Leptrino, WhatOverflowsIsCountedByTheRate) {
 TEST(Leptrino, ADamagedMessageIsALostSample) {
   LeptrinoFaults faults;
   faults.damage_every = 40;
+  faults.rated_force_N = fine_N;
   SerialEmulator sensor(leptrino_sensor(faults, leaning));
   const auto source = open_at(sensor);
   source->start();
@@ -154,7 +158,7 @@ TEST(Leptrino, ADamagedMessageIsALostSample) {
   EXPECT_EQ(c.lost, c.malformed);
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const auto ahead = samples[i].sequence - samples[i - 1].sequence;
-    EXPECT_NEAR(time_in(samples[i]) - time_in(samples[i - 1]), static_cast<double>(ahead) / 1200.0, 0.05);
+    EXPECT_NEAR(time_in(samples[i]) - time_in(samples[i - 1]), static_cast<double>(ahead) / 1200.0, 0.005);
     EXPECT_EQ((samples[i].flags & recording::sample_after_gap) != 0, ahead > 1);
   }
 }
@@ -163,11 +167,12 @@ TEST(Leptrino, ADamagedMessageIsALostSample) {
 TEST(Leptrino, WholeMessagesThatAreLostShowInTheRateAlone) {
   LeptrinoFaults faults;
   faults.drop_every = 10;
+  faults.rated_force_N = fine_N;
   SerialEmulator sensor(leptrino_sensor(faults, leaning));
   const auto source = open_at(sensor);
   source->start();
-  const auto samples = samples_of(*source, 900);
-  ASSERT_GE(samples.size(), 900U);
+  const auto samples = samples_of(*source, 2000);
+  ASSERT_GE(samples.size(), 2000U);
   EXPECT_EQ(source->counters().lost, 0U);
   const double seconds = time_in(samples.back()) - time_in(samples.front());
   EXPECT_NEAR(static_cast<double>(samples.size() - 1) / seconds, 0.9 * source->nominal_rate_Hz(), 10.0);
