@@ -8,9 +8,9 @@
 #include <limits>
 #include <optional>
 
+#include "clustered_fit.h"
 #include "force_gains.h"
 #include "harness/base/least_squares.h"
-#include "clustered_fit.h"
 #include "harness/stats/distributions.h"
 #include "smoothing.h"
 

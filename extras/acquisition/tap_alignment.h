@@ -28,9 +28,9 @@
 #include <string>
 #include <vector>
 
+#include "clustered_fit.h"
 #include "harness/base/vec.h"
 #include "harness/recording/tool_load.h"
-#include "clustered_fit.h"
 
 namespace touchstone::acquisition {
 using recording::ToolLoad;

@@ -3,12 +3,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "case_flags.h"
 #include "apps/command.h"
 #include "apps/plugin_flags.h"
 #include "apps/program.h"
 #include "board_plan.h"
 #include "board_sets.h"
+#include "case_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/pipeline/board_json.h"
 #include "harness/pipeline/board_site.h"

@@ -103,8 +103,8 @@ class Judge {
     const change_points::Change& change = verdict_.report.changes[i];
     const double percent = 100.0 * (change.after - change.before) / std::abs(change.before);
     std::string sentence = fmt::format(
-        "{}: {:.6g} -> {:.6g}{} in {}", change.kind == change_points::ChangeKind::step ? "step" : "drift", change.before,
-        change.after, std::isfinite(percent) ? fmt::format(" ({:+.3g} %)", percent) : "", range(change));
+        "{}: {:.6g} -> {:.6g}{} in {}", change.kind == change_points::ChangeKind::step ? "step" : "drift",
+        change.before, change.after, std::isfinite(percent) ? fmt::format(" ({:+.3g} %)", percent) : "", range(change));
     const double now = verdict_.report.levels.back().to;
     bool fails = false;
     if (!is_worse(change.before, change.after)) {

@@ -34,7 +34,7 @@ struct HistoryLimit {
 
 struct HistoryLimits {
   double false_alarms_per_year = change_points::ChangeOptions{}.false_alarms_per_year;  // of all series judged together
-  std::vector<HistoryLimit> limits;                                             // the first that matches counts
+  std::vector<HistoryLimit> limits;                                                     // the first that matches counts
   [[nodiscard]] const HistoryLimit& of(const SeriesKey& key) const;
 };
 

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <numeric>
 
+#include "farm.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"
 #include "harness/base/progress.h"
 #include "harness/golden/golden_file.h"
-#include "farm.h"
 #include "slurm.h"
 
 namespace touchstone::runs {

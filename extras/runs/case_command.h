@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/error.h"
 #include "case_engine.h"
+#include "harness/base/error.h"
 
 namespace touchstone::runs {
 

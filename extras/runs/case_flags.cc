@@ -8,7 +8,8 @@
 namespace touchstone::runs {
 
 void add_case_flags(CLI::App& command, CaseOptions& options, const std::string& cases) {
-  for (const std::string& word : apps::command_line()) options.called_as += (options.called_as.empty() ? "" : " ") + word;
+  for (const std::string& word : apps::command_line())
+    options.called_as += (options.called_as.empty() ? "" : " ") + word;
   command.add_option("--threads", options.threads, "Default: all cores; with slurm the cores of a task, default 1");
   command.add_option("--shard", options.shard, fmt::format("K/N: only the K-th of N parts of the {}", cases));
   command.add_option("--merge", options.merge, "Put the results of shards together, and say what is missing");

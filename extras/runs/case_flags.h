@@ -7,8 +7,8 @@
 #include <string>
 
 #include "apps/command.h"
-#include "harness/report/provenance.h"
 #include "case_command.h"
+#include "harness/report/provenance.h"
 
 namespace touchstone::runs {
 

@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <memory>
 
-#include "case_flags.h"
 #include "apps/command.h"
 #include "apps/program.h"
 #include "atlas/atlas_cases.h"
 #include "atlas/atlas_report.h"
+#include "case_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/report/page_html.h"
 #include "harness/report/page_markdown.h"

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "case_flags.h"
 #include "blind/blind_cases.h"
 #include "blind/blind_follow.h"
 #include "blind/blind_score.h"
 #include "blind/blind_table.h"
+#include "case_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"

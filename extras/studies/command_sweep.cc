@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "case_flags.h"
 #include "apps/extras.h"
+#include "case_flags.h"
 #include "harness/base/json_reader.h"
 #include "renderers/catalogue.h"
 #include "study_commands.h"

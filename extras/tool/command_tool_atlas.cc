@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "case_flags.h"
 #include "apps/command.h"
 #include "apps/plugin_flags.h"
 #include "apps/program.h"
+#include "case_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/named_values.h"
 #include "harness/plugin/plugin_tool.h"

@@ -1,7 +1,7 @@
 #include <filesystem>
 
-#include "case_flags.h"
 #include "case_command.h"
+#include "case_flags.h"
 #include "tool_commands.h"
 #include "tool_sweep.h"
 

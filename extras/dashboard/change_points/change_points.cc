@@ -7,10 +7,10 @@
 #include <numeric>
 
 #include "change_points/energy.h"
-#include "harness/stats/quantile.h"
 #include "change_points/staircase.h"
 #include "change_points/trend.h"
 #include "change_points/two_sample.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::change_points {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "shared_cache.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 #include "renderers/mesh_traversal/contact_mesh.h"
+#include "shared_cache.h"
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::atlas {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/seed_spread.h"
 #include "case_command.h"
+#include "experiments/seed_spread.h"
 
 namespace touchstone::experiments {
 
