@@ -125,6 +125,8 @@ TEST_F(LoopCommand, FitMakesADeviceFileThatTheLoopTakes) {
   write_file(folder_ / "release.csv", csv);
   const Outcome fit = run("loop fit --recording release.csv --name mine --out mine.json");
   ASSERT_EQ(fit.status, 0) << fit.err;
+  EXPECT_THAT(fit.out, ::testing::ContainsRegex("viscous friction +1[0-9] %"));
+  EXPECT_THAT(fit.out, ::testing::ContainsRegex("dry friction .*negligible"));
   const auto sheet = load_json(folder_ / "mine.json");
   EXPECT_NEAR(sheet.at("figures").at("mass_kg").at("value").get<double>(), 0.2, 0.004);
   EXPECT_EQ(loop("soft.json", "--device mine.json --grip light --out own").status, 0);
