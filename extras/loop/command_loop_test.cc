@@ -134,6 +134,30 @@ TEST_F(LoopCommand, FitMakesADeviceFileThatTheLoopTakes) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "none.json"));
 }
 
+// In free air a device without friction goes where the hand means it to be, and no force acts.
+TEST_F(LoopCommand, ARecordingOfTheDeviceIsHeldBesideTheSimulation) {
+  write_file(folder_ / "press.csv", "t_s,x_m,y_m,z_m\n0,0,0,0.003\n2,0.01,0,0.003\n");
+  std::string same = "t_s,x_m,y_m,z_m,fx_N,fy_N,fz_N\n", other = same;
+  for (int k = 0; k < 1000; ++k) {
+    const double t = 7.0 + 1e-3 * k, x = 0.0025 + 5e-6 * k;
+    same += fmt::format("{},{},0,0.003,0,0,0\n", t, x);
+    other += fmt::format("{},{},0,0.003,0,0,0.5\n", t, x);
+  }
+  write_file(folder_ / "same.csv", same);
+  write_file(folder_ / "other.csv", other);
+  const std::string air = std::string("--out r ") + kExact + " --recording ";
+  const Outcome agrees = loop("soft.json", air + "same.csv");
+  EXPECT_EQ(agrees.status, 0) << agrees.out << agrees.err;
+  const auto found = result("r").at("recording");
+  EXPECT_EQ(found.at("agrees"), true);
+  EXPECT_NEAR(found.at("shift_s").get<double>(), 0.5 - 7.0, 1e-3);
+  EXPECT_LT(found.at("difference_m").get<double>(), 1e-6);
+  const Outcome differs = loop("soft.json", air + "other.csv");
+  EXPECT_EQ(differs.status, 1) << differs.out << differs.err;
+  EXPECT_THAT(differs.out, HasSubstr("differs from the simulation"));
+  EXPECT_EQ(loop("soft.json", air + "press.csv").status, 3);
+}
+
 TEST_F(LoopCommand, WidthAndTuneWriteWhatTheySay) {
   ASSERT_EQ(run("loop width --device touch --grip light --over latency --points 2 --out w").status, 0);
   EXPECT_EQ(result("w").at("grips").at(0).at("points").size(), 2u);

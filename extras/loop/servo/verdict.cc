@@ -255,6 +255,24 @@ Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, 
   return out;
 }
 
+Vibration largest_vibration(const std::vector<Vec3>& f_W_N, double rate_Hz, const perception::Thresholds& thresholds) {
+  const auto length = static_cast<std::size_t>(std::lround(kWindow_s * rate_Hz));
+  const perception::VibrationScale scale(thresholds);
+  Vibration worst;
+  for (std::size_t begin = 0; begin + length <= f_W_N.size(); begin += std::max<std::size_t>(1, length / 2)) {
+    const auto first = f_W_N.begin() + static_cast<std::ptrdiff_t>(begin);
+    if (std::any_of(first, first + static_cast<std::ptrdiff_t>(length), [](const Vec3& f) { return f.isZero(0.0); }))
+      continue;
+    double step_Hz = 0.0;
+    const std::vector<double> power = powers(f_W_N, {begin, begin + length}, rate_Hz, step_Hz);
+    Vibration own = peak_of(power, step_Hz);
+    own.jnd = scale.from_nothing(over_threshold(power, step_Hz, thresholds));
+    own.at_s = (static_cast<double>(begin) + 0.5 * static_cast<double>(length)) / rate_Hz;
+    keep_worse(worst, own);
+  }
+  return worst;
+}
+
 std::string sentence(const Judgement& judgement) {
   const std::string vibration = fmt::format("{:.0f} Hz with {:.3g} N ({:.2g} JND)", judgement.buzz.frequency_Hz,
                                             judgement.buzz.amplitude_N, judgement.buzz.jnd);

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "harness/perception/judge/thresholds.h"
 #include "servo/servo_loop.h"
@@ -69,6 +70,9 @@ void run_encoder(LoopRuns& runs, rendering::Renderer& renderer, const MotionColu
 
 inline constexpr double kSettling_s = 0.1;
 Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, double settling_s = kSettling_s);
+
+// The largest vibration of a force in contact, wherever it is not zero for a window of 0.128 s; against none.
+Vibration largest_vibration(const std::vector<Vec3>& f_W_N, double rate_Hz, const perception::Thresholds& thresholds);
 
 // In a sentence, for people: "Buzzes at 143 Hz with 0.21 N (9.4 JND)."
 std::string sentence(const Judgement& judgement);
