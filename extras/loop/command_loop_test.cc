@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/json_reader.h"
@@ -183,6 +184,27 @@ TEST_F(LoopCommand, TheAtlasNamesWhatIsFelt) {
   EXPECT_EQ(run("loop atlas --renderer spring-quadratic --case 'passive plane'").status, 77);
   EXPECT_EQ(run("loop atlas --renderer god-objekt").status, 2);
   EXPECT_EQ(run("loop atlas --case cube").status, 2);
+}
+
+// The table of docs/explanation/closed-loop.md is what this prints.
+TEST_F(LoopCommand, PublishedStiffnessesBesideThePredictedAreTheTableOfThePage) {
+  const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
+  if (source == nullptr) GTEST_SKIP() << "TOUCHSTONE_SOURCE_DIR does not say where the page is";
+  ASSERT_EQ(run("loop tune --margin 1 --json tuned.json").status, 0);
+  const auto rounded = [](double value) {
+    const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+    return fmt::format("{:.0f}", std::round(value / unit) * unit);
+  };
+  std::string table = "| device | predicted [N/m] | published [N/m] |\n|---|---|---|\n";
+  const auto tuned = load_json(folder_ / "tuned.json").at("devices");
+  for (const auto& device : tuned) {
+    const auto& published = device.at("published_N_per_m");
+    table += fmt::format("| {} | {} | {} |\n", device.at("device").get<std::string>(),
+                         rounded(device.at("undamped_N_per_m").get<double>()),
+                         published.is_null() ? "none" : fmt::format("{:g}", published.get<double>()));
+  }
+  fmt::print("{}", table);
+  EXPECT_THAT(read_file(std::filesystem::path(source) / "docs" / "explanation" / "closed-loop.md"), HasSubstr(table));
 }
 
 }  // namespace

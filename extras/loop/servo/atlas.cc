@@ -17,6 +17,7 @@ constexpr double kDown_s = 0.3;
 constexpr double kHold_s = 0.4;
 constexpr double kPress_N = 1.0;
 constexpr std::size_t kTriangles = 10000;
+constexpr std::size_t kFewTriangles = 200;  // of the passive plane, a test of any renderer, also of a slow one
 
 double top_m(const surface::Surface& shape, double x_m) {
   const Box3 box = shape.bounds();
@@ -92,11 +93,17 @@ LoopSetup passive_setup(LoopSetup setup, double stiffness_N_per_m) {
 
 // What the exact wall does on an ideal servo is right there: what the renderer shakes by itself counts, too.
 Judgement beside_exact_wall(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& own,
-                            double stiffness_N_per_m, const perception::Thresholds& thresholds) {
+                            double stiffness_N_per_m, double top_m, const perception::Thresholds& thresholds) {
   LoopRuns runs = run_for_judgement(renderer, path, own);
-  FlatWall wall(stiffness_N_per_m);
+  FlatWall wall(stiffness_N_per_m, top_m);
   if (!runs.too_slow) runs.ideal = run_ideal_loop(wall, path, own);
   return judge(runs, thresholds);
+}
+
+// Of a renderer whose tip is a ball unless it is told otherwise.
+double tip_radius_m(const rendering::RendererEntry& entry) {
+  const auto radius = std::ranges::find(entry.parameters, "tip_radius_m", &rendering::ParameterDeclaration::name);
+  return radius == entry.parameters.end() ? 0.0 : radius->initial;
 }
 
 bool felt(const AtlasAnswer& answer) {
@@ -123,15 +130,18 @@ AtlasAnswer atlas_answer(const rendering::Catalogue& catalogue, const rendering:
     friction.parameters = {{"mu_static", where.friction}, {"mu_dynamic", where.friction}};
     model.effects.push_back(friction);
   }
-  const MotionColumns path = atlas_path(*generators.surface(where.surface, where.parameters), setup.parameters);
-  const auto mesh = generators.mesh(where.surface, where.parameters, kTriangles).mesh;
+  const double radius_m = tip_radius_m(catalogue.find(model));
+  MotionColumns path = atlas_path(*generators.surface(where.surface, where.parameters), setup.parameters);
+  for (Vec3& meant_W_m : path.p_W_m) meant_W_m.z() += radius_m;
+  const auto mesh = generators.mesh(where.surface, where.parameters, where.passive ? kFewTriangles : kTriangles).mesh;
   std::vector<Verdict> verdicts;
   try {
     const auto renderer = catalogue.make(model, surface::make_embree_surface(mesh));
     for (const double mass_kg : setup.device_masses_kg) {
       const LoopParameters own = setup.with_mass(mass_kg);
-      const Judgement judged = where.passive ? beside_exact_wall(*renderer, path, own, stiffness->second, thresholds)
-                                             : judge_loop(*renderer, path, own, thresholds);
+      const Judgement judged = where.passive
+                                   ? beside_exact_wall(*renderer, path, own, stiffness->second, radius_m, thresholds)
+                                   : judge_loop(*renderer, path, own, thresholds);
       if (verdicts.empty() || judged.buzz.jnd > out.worst.buzz.jnd) out.worst = judged;
       verdicts.push_back(judged.verdict);
       if (!judged.too_slow) continue;

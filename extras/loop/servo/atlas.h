@@ -2,9 +2,9 @@
 // and friction, each pressed and slid over by the same hand on the same device. What is wrong gets a name:
 //
 //   unstable-below-limit  the passive plane buzzes or throws the hand off, or the plane does where the god-object does
-//                         not. On the passive plane the device has so much viscous friction that the stiffness is 80 %
-//                         of Colgate and Schenkel's limit (limits.h): a passive renderer is stable there in every hand,
-//                         beside the exact wall.
+//                         not. On the passive plane the device has the viscous friction with which the stiffness is 80
+//                         % of Colgate and Schenkel's limit (limits.h): a passive renderer is stable there in every
+//                         hand, beside the exact wall.
 //   buzz-at-edges         so does another shape without friction
 //   buzz-with-friction    so does the plane with friction
 //   kick                  at contact the force exceeds that of an ideal servo by more than is just noticed

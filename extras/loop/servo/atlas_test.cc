@@ -82,6 +82,23 @@ TEST(Atlas, APassiveRendererIsStableBelowTheLimitInAnyHandAndALateOneIsNot) {
   }
 }
 
+// A ball touches as far above the shapes as it is thick.
+TEST(Atlas, ABallIsPressedAsAPointIs) {
+  auto ball = std::make_shared<rendering::RendererEntry>(renderers::renderer_catalogue().front());
+  ball->name = "ball";
+  std::ranges::find(ball->parameters, "tip_radius_m", &rendering::ParameterDeclaration::name)->initial = 3e-3;
+  rendering::Model model = atlas_model(*ball, 1000.0);
+  model.provided = ball;
+  const LoopSetup setup = make_setup("touch-x", "light", {}, 1);
+  for (const char* const where : {"passive plane", "plane"}) {
+    const AtlasAnswer point = answer_of(atlas_model(renderers::renderer_catalogue().front(), 1000.0), where, setup),
+                      thick = answer_of(model, where, setup);
+    EXPECT_EQ(thick.verdict, Verdict::stable) << sentence(thick.worst);
+    EXPECT_NEAR(thick.worst.kick_N, point.worst.kick_N, 0.01) << where;
+    EXPECT_NEAR(thick.worst.judged_s, point.worst.judged_s, 0.01) << where;
+  }
+}
+
 AtlasAnswer made(const std::string& where, Verdict verdict, double buzz_jnd, double kick_jnd) {
   AtlasAnswer out;
   out.where = where;

@@ -179,7 +179,7 @@ struct SmallSteps {
 };
 
 // Each subset of viscous friction, dry friction and latency, planted in devices of three sizes: what is there is named,
-// with its share of the force, and what is not is said to be none.
+// with its share of the force, and what is not is negligible.
 TEST(DeviceFit, NamesWhatBecomesOfTheForceAndWhatDoesNot) {
   for (const auto& [mass_kg, period_s, force_N] :
        {std::tuple{0.05, 1e-3, 2.0}, std::tuple{0.4, 5e-4, 12.0}, std::tuple{1.5, 4e-3, 5.0}}) {
