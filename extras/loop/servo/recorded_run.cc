@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "harness/base/error.h"
+#include "harness/base/progress.h"
 
 namespace touchstone::servo {
 namespace {
@@ -43,19 +44,21 @@ double misfit_m2(const LoopTrace& run, const recording::Recording& recording, do
 }
 
 double best_shift_s(const LoopTrace& run, const recording::Recording& recording) {
-  const double first = run.t_s.front() - recording.motion.t_s.back();
-  const double last = run.t_s.back() - recording.motion.t_s.front();
+  const double path_s = run.t_s.back() - run.t_s.front();
+  const double recorded_s = recording.motion.t_s.back() - recording.motion.t_s.front();
+  const double first = run.t_s.front() - recording.motion.t_s.back() + kLeastShare * recorded_s;
+  const double last = run.t_s.back() - recording.motion.t_s.front() - kLeastShare * recorded_s;
   const std::size_t every = std::max<std::size_t>(1, recording.size() / kCoarseSamples);
   double best = first, least = std::numeric_limits<double>::infinity();
   for (double shift_s = first; shift_s <= last; shift_s += kCoarse_s) {
+    stop_if_asked();
     const double misfit = misfit_m2(run, recording, shift_s, every);
     if (misfit < least) best = shift_s, least = misfit;
   }
   if (!std::isfinite(least)) {
     throw BadData(fmt::format(
         "{}: it lasts {:g} s and the path {:g} s: half of the recording or more was expected to lie within the path",
-        recording.source, recording.motion.t_s.back() - recording.motion.t_s.front(),
-        run.t_s.back() - run.t_s.front()));
+        recording.source, recorded_s, path_s));
   }
   constexpr int kBits = 24;
   return boost::math::tools::brent_find_minima(
@@ -119,6 +122,7 @@ RecordedComparison compare_recorded(const LoopEvaluation& evaluation, const Loop
                                     const recording::Recording& recording, const perception::Thresholds& thresholds) {
   if (recording.f_W_N.empty())
     throw BadData(recording.source + ": no force: the force on the device was expected (fx_N, fy_N, fz_N)");
+  if (recording.size() < 2) throw BadData(recording.source + ": two samples or more were expected");
   std::optional<RecordedComparison> best;
   for (const MassRun& run : evaluation.runs) {
     if (run.run.size() < 2) continue;
