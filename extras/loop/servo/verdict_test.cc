@@ -96,6 +96,29 @@ TEST(Verdict, WhatTheRendererShakesByItselfIsItsOwn) {
   EXPECT_NEAR(found.own.frequency_Hz, 80.0, 2.0);
 }
 
+// A wall that is hit comes late: the force overshoots that of an ideal servo, in newtons and in the steps of Weber's
+// law from there on.
+TEST(Verdict, AKickIsWhatALateWallGivesBeyondAnIdealOne) {
+  LoopParameters own = grip(0.2, 20.0, 200.0);
+  FlatWall wall(3000.0);
+  const auto runs_of = [&] { return run_for_judgement(wall, press(own), own); };
+  EXPECT_LT(judge(runs_of(), {}).kick_jnd, 0.5);
+  own.latency_s = 4e-3;
+  const LoopRuns runs = runs_of();
+  const Judgement late = judge(runs, {});
+  const auto largest_N = [](const LoopTrace& trace) {  // in the 64 ms of the first contact
+    std::size_t first = 0;
+    while (trace.contact[first] == 0) ++first;
+    double largest = 0.0;
+    for (std::size_t i = first; i < first + 64; ++i) largest = std::max(largest, trace.felt_W_N[i].norm());
+    return largest;
+  };
+  const double ideal_N = largest_N(runs.ideal), kick_N = largest_N(runs.run) - ideal_N;
+  EXPECT_GT(late.kick_jnd, 1.0);
+  EXPECT_NEAR(late.kick_N, kick_N, 0.02 * kick_N);
+  EXPECT_NEAR(late.kick_jnd, kick_N / (ideal_N * perception::kFingertipForce.fraction(ideal_N)), 0.02 * late.kick_jnd);
+}
+
 // Steps that take longer than the servo's period: no verdict, and none of the long runs.
 TEST(Verdict, OfARendererThatIsTooSlowForTheServoItCannotTell) {
   class Slow final : public rendering::Renderer {
