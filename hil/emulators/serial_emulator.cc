@@ -126,13 +126,11 @@ class Leptrino {
     // A command is header, four bytes of which none is a DLE, trailer and check.
     constexpr std::size_t command_size = 9;
     for (; heard_.size() >= command_size; heard_.erase(0, command_size)) said += answer(heard_, t_s);
-    while (running_ && static_cast<double>(count_ + 1) * period_s <= t_s - began_s_) said += sample();
+    while (running_ && static_cast<double>(count_ + 1) / faults_.sends_Hz <= t_s - began_s_) said += sample();
     return said;
   }
 
  private:
-  static constexpr double period_s = 1.0 / 1200.0;
-
   // Section 2.3 of the specification: transparency, then the check over all but the inserted bytes.
   static std::string framed(const std::string& data) {
     std::string text("\x10\x02", 2);
@@ -178,7 +176,7 @@ class Leptrino {
     ++count_;
     const auto due = [&](std::uint32_t every) { return every != 0 && count_ % every == 0; };
     if (due(faults_.drop_every)) return {};
-    const Wrench w = wrench_(static_cast<double>(count_) * period_s);
+    const Wrench w = wrench_(static_cast<double>(count_) / faults_.sends_Hz);
     const double rated_N = faults_.rated_force_N;
     std::string data;
     const auto put = [&](double value, double rated) {

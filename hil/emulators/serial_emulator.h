@@ -58,9 +58,10 @@ struct LeptrinoFaults {
   bool was_sending = false;        // another program left it so
   float rated_force_N = 200.0F;    // along z twice that
   std::string rate = "1200";       // as protocol 1.31 says it; empty: protocol 1.13, which does not
+  double sends_Hz = 1200.0;
 };
 // A sensor with protocol 1.13 or 1.31, by Leptrino's specification and, for the output rate, by what a PFS055YA251U6
-// answered (see drivers/leptrino.h for both). It sends 1200 samples a second.
+// answered (see drivers/leptrino.h for both).
 SerialEmulator::Device leptrino_sensor(LeptrinoFaults faults, std::function<Wrench(double)> wrench);
 
 // A microcontroller that prints the load [units] as the example sketch of HX711 (HX711_full_example.ino, from its

@@ -141,7 +141,10 @@ class ClockSteps : public ::testing::Test {
     return {"bota", line, stream_of(open_bota(options))};
   }
   static Rig leptrino() {
-    auto line = emulator<SerialEmulator>(leptrino_sensor({}, force_is_time));
+    LeptrinoFaults slow;  // 4 kB, which the line holds, are more than the longest wait
+    slow.rate = "150";
+    slow.sends_Hz = 150.0;
+    auto line = emulator<SerialEmulator>(leptrino_sensor(slow, force_is_time));
     return {"leptrino", line, stream_of(open_leptrino({line->node()}))};
   }
   static Rig load_cell() {
