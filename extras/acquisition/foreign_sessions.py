@@ -4,7 +4,8 @@
     foreign_sessions.py TOUCHSTONE SEED COUNT undisturbed|disturbed [KIND]
 
 KIND: one of KINDS, or "later gain", which changes after the static poses and is said, not refused. Said, too, is a move
-that no contact shows: along the ridge, which is the same everywhere.
+that no contact shows (along the ridge, which is the same everywhere, or over a nearly level place), if it is within what the
+session's note leaves open along each direction.
 
 Exit status 0: every session is refused (exit status not 0) or right; 1: some are silently wrong, or more than 2 % of the
 undisturbed ones are refused; 77: numpy is missing.
@@ -19,6 +20,7 @@ the contact force, the limit that acquire states). The inertia of the tool, whic
 (docs/how-to/acquire.md), counts as force.
 """
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -163,12 +165,15 @@ class Session:
     def moved(self, t):
         return least_jerk(t - (self.begin + self.end) / 2)[:, None]
 
-    def move_is_hidden(self):
-        """The object slid along its own surface: across that direction by less than what counts as wrong."""
-        if self.kind != 'moved' or self.surface != 'ridge':
+    def move_is_said(self, said):
+        """The object moved, by no more along each direction than the note says that the contacts leave open."""
+        if self.kind != 'moved':
             return False
-        along = np.array([0, 1, self.sizes[2]]) / np.hypot(1, self.sizes[2])
-        return (2e-3 + 6e-3 * self.size) * np.linalg.norm(np.cross(along, self.side)) < 1e-3
+        bounds = re.findall(r'by (any distance|[0-9.e+]+ mm) along \(([^)]*)\)', said)
+        move = (2e-3 + 6e-3 * self.size) * self.side
+        return len(bounds) == 3 and all(
+            how == 'any distance' or abs(move @ np.array([float(x) for x in along.split(',')])) < 1e-3 * float(how[:-3])
+            for how, along in bounds)
 
     def in_tracker(self, t, p):
         if self.kind == 'moved':
@@ -309,7 +314,7 @@ def main(program, first, count, what, only=None):
                 place, worst, force, limit = session.errors(out)
                 right = place < 1e-3 and worst < 3e-3 and force < limit
                 verdict = 'right' if right else 'WRONG'
-                if not right and session.move_is_hidden() and 'by any distance along' in said:
+                if not right and session.move_is_said(said):
                     verdict = 'said'
                 figures = '%.2f mm, worst %.2f mm, %.3f N of %.3f;' % (1e3 * place, 1e3 * worst, force, limit)
             refused += verdict == 'refused'
