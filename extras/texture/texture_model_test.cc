@@ -39,6 +39,18 @@ TEST(TextureModel, ANodeIsItselfAndBetweenTwoTheFrequenciesAreMeans) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(between.ar[i], expected[i], 1e-12);
 }
 
+TEST(TextureModel, TheNumeratorIsTimesTheGainBetweenNodesToo) {
+  TextureModel model = made_texture();
+  for (TextureNode& node : model.nodes) {
+    node.ma_rad = {0.9, 1.6};
+    node.gain = 2.0 + node.force_N;
+  }
+  std::vector<double> numerator(3);
+  polynomial_of(model.nodes[0].ma_rad, numerator);
+  const TextureFilter filter = filter_at(model, 0.1, 1.5);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(filter.ma[i], 3.5 * numerator[i], 1e-12);
+}
+
 TEST(TextureModel, BeyondTheLargestSpeedAndForceItIsThatOfTheLargest) {
   const TextureModel model = made_texture();
   const TextureFilter corner = filter_at(model, 0.2, 2.0), beyond = filter_at(model, 5.0, 30.0);

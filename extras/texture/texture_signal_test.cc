@@ -93,6 +93,21 @@ INSTANTIATE_TEST_SUITE_P(
                       Played{0.15, 1.2, 2000.0, 2000.0, true}, Played{0.1, 1.0, 3000.0, 1000.0, false},
                       Played{0.1, 1.0, 700.0, 1000.0, false}, Played{0.1, 1.0, 1000.0, 1300.0, false}));
 
+// What lies above half the loop's rate must not come down into its band: 420 Hz would be heard at 280 Hz.
+TEST(TexturePlayer, ASlowerLoopFoldsNothingDown) {
+  TextureModel made = made_texture();
+  for (TextureNode& node : made.nodes) {
+    node.ar_rad = line_spectral_frequencies(resonance(420.0, 0.93, 1000.0));
+    node.variance = 0.1;
+  }
+  TexturePlayer player(std::make_shared<const TextureModel>(made), 8);
+  std::vector<double> x;
+  for (int i = 0; i < 700 * 120; ++i) x.push_back(player.at(i / 700.0, 0.1, 1.0));
+  const TextureFilter filter = filter_at(made, 0.1, 1.0);
+  const BandMean mean = band_mean(x, 700.0, filter, 1000.0, 250.0, 280.0);
+  EXPECT_NEAR(mean.power, mean.expected, 4.5 * mean.error + 0.05 * mean.expected);
+}
+
 TEST(TexturePlayer, ALoopAtTheModelsRateGetsTheSamplesThemselvesLate) {
   const auto model = std::make_shared<const TextureModel>(made_texture());
   TextureSignal signal(model, 3);
