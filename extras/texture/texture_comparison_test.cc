@@ -93,6 +93,18 @@ TEST(TextureComparison, AnotherStrengthOrFrequencyIsDifferent) {
   }
 }
 
+// A recording at one speed against one at two whose textures differ: only what slid alike counts.
+TEST(TextureComparison, OtherSpeedsDoNotCount) {
+  const std::pair slow{resonance(60.0, 0.9, 1000.0), 0.1}, fast{resonance(190.0, 0.9, 1000.0), 0.3};
+  const SlideWindows both = slide_windows(
+      made_slide({{0.06, 0.8, 10.0}, {0.16, 0.8, 10.0}}, {slow, fast}, 0.3, 1000.0, 1), Vec3::UnitZ(), 0.5);
+  const SlideWindows one = slide_windows(made_slide({{0.16, 0.8, 10.0}}, {fast}, 0.3, 1000.0, 2), Vec3::UnitZ(), 0.5);
+  const TextureComparison comparison = compare(both, one);
+  EXPECT_EQ(comparison.verdict, TextureVerdict::same) << comparison.reason;
+  EXPECT_EQ(compare(one, both).verdict, TextureVerdict::same);
+  EXPECT_LT(compare(one, both).windows, both.windows.size());
+}
+
 TEST(TextureComparison, WhatNobodyFeelsIsNotJudged) {
   const SlideWindows faint = slide(110.0, 1e-7, 10.0, 1);
   EXPECT_EQ(compare(one_filter(110.0, 4e-7), faint).verdict, TextureVerdict::same);

@@ -20,12 +20,12 @@ using rendering::Parameters;
 using rendering::Renderer;
 using rendering::RendererEntry;
 
-std::unique_ptr<Renderer> made_renderer() {
+std::unique_ptr<Renderer> made_renderer(const TextureModel& model = made_texture()) {
   surface::TriangleMesh plate;
   plate.source = "plate";
   plate.vertices_W_m = {{-1.0, -1.0, 0.0}, {1.0, -1.0, 0.0}, {1.0, 1.0, 0.0}, {-1.0, 1.0, 0.0}};
   plate.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const RendererEntry entry = texture_renderer_entry(std::make_shared<const TextureModel>(made_texture()));
+  const RendererEntry entry = texture_renderer_entry(std::make_shared<const TextureModel>(model));
   return entry.make(Parameters(entry.parameters, {{"seed", 9.0}}, entry.name, "test", ""),
                     surface::make_embree_surface(plate));
 }
@@ -59,6 +59,20 @@ TEST(TextureRenderer, APressIsSilent) {
     const auto result = renderer->step({0.001 * i, {0.0, 0.0, 0.002 * std::cos(0.01 * i)}});
     ASSERT_EQ(result.f_W_N.x(), 0.0);
     ASSERT_EQ(result.f_W_N.y(), 0.0);
+  }
+}
+
+// Of a texture that depends on the speed alone: a tip that sinks while it slides is no faster along the surface.
+TEST(TextureRenderer, SinkingIsNoSliding) {
+  TextureModel model = made_texture();
+  for (TextureNode& node : model.nodes) {
+    node.ar_rad = model.nodes[0].ar_rad;
+    node.variance = node.speed_m_per_s;
+  }
+  const auto level = made_renderer(model), sinking = made_renderer(model);
+  for (int i = 0; i < 1000; ++i) {
+    const double one = level->step({0.001 * i, {1e-4 * i, 0.0, -0.002}}).f_W_N.y();
+    ASSERT_NEAR(sinking->step({0.001 * i, {1e-4 * i, 0.0, -0.002 - 5e-5 * i}}).f_W_N.y(), one, 1e-9);
   }
 }
 
