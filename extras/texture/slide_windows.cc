@@ -22,6 +22,19 @@ constexpr double kEven = 0.2;      // largest standard deviation of speed and lo
 constexpr double kOneRate = 0.05;  // largest difference of an interval from the median, over that
 constexpr double kLeastRate_Hz = 100.0;
 
+// Throws BadData for what nobody measured, whose powers would be no numbers.
+void check_forces(const Recording& recording) {
+  constexpr double kMostForce_N = 1e9;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    const double force_N = recording.f_W_N[i].cwiseAbs().maxCoeff();
+    if (force_N <= kMostForce_N) continue;
+    throw BadData(
+        fmt::format("{}: sample {} (t = {:.6g} s) has a force of {:.3g} N; at most {:g} N were expected: "
+                    "remove or repair the sample, or name the unit in the header",
+                    recording.source, i + 1, recording.motion.t_s[i], force_N, kMostForce_N));
+  }
+}
+
 // The median interval. Throws BadData for one that differs.
 double interval_s(const Recording& recording) {
   const std::vector<double>& t = recording.motion.t_s;
@@ -129,6 +142,7 @@ std::vector<double> without_parabola(const std::vector<double>& f, std::size_t f
 SlideWindows slide_windows(const Recording& recording, const Vec3& normal_W, double step_share) {
   SlideWindows result;
   result.source = recording.source;
+  check_forces(recording);
   result.rate_Hz = 1.0 / interval_s(recording);
   if (result.rate_Hz < kLeastRate_Hz) {
     throw BadData(fmt::format("{}: {:.4g} samples per second; a texture is felt from 20 Hz on, and {:g} are needed",

@@ -33,7 +33,7 @@ struct SlideWindows {
 };
 
 // Windows of 0.256 s that begin every `step_share` of that. `normal_W`: outward, out of the sample. Throws BadData with
-// file and row for samples that do not come at one rate, and if no window is even, with what was found.
+// file and row for samples that do not come at one rate or exceed 1e9 N, and if no window is even, with what was found.
 SlideWindows slide_windows(const recording::Recording& recording, const Vec3& normal_W, double step_share);
 
 }  // namespace touchstone::texture

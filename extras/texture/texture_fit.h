@@ -2,7 +2,7 @@
 //
 // As the toolkit's models are made (Culbertson, Unwin and Kuchenbecker 2014, sections 3 and 4), with three differences:
 // - The series are the windows of slide_windows.h; the toolkit cuts where the spectrum changes.
-// - The filter is fitted to the force over an effective mass, unless the acceleration was recorded there too.
+// - The filter is fitted to the force over an effective mass, not to an accelerometer's signal.
 // - Windows of like speed and force are fitted as one filter, by Burg's method for segments (segment_burg.h). The range
 //   of speeds and forces is halved until what lies in one part spans at most a sixth of the largest speed and force.
 // All filters have one order, that with the least sum of Hurvich and Tsai's corrected criterion AICc (1989, Biometrika

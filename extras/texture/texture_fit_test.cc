@@ -130,6 +130,10 @@ TEST(SlideWindows, WhatCannotBeUsedIsNamed) {
         fit_texture(slide_windows(short_one, Vec3::UnitZ(), 1.0), kMadeMass_kg, "made");
       },
       ThrowsMessage<BadData>(HasSubstr("slide longer")));
+  recording::Recording huge = made;
+  huge.f_W_N[5].x() = -1e200;
+  EXPECT_THAT([&] { slide_windows(huge, Vec3::UnitZ(), 1.0); },
+              ThrowsMessage<BadData>(HasSubstr("sample 6 (t = 0.005")));
   for (std::size_t i = 2000; i < made.size(); ++i) made.motion.t_s[i] += 0.01;
   EXPECT_THAT([&] { slide_windows(made, Vec3::UnitZ(), 1.0); }, ThrowsMessage<BadData>(HasSubstr("sample 2001")));
 }
