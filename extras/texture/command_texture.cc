@@ -4,9 +4,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "cluster_set.h"
 #include "harness/base/atomic_file.h"
 #include "harness/perception/judge/thresholds.h"
 #include "harness/recording/recording_file.h"
@@ -73,22 +75,41 @@ void add_plugin(CLI::App& texture, apps::Run& run) {
 void add_fit(CLI::App& texture, apps::Run& run) {
   struct Options {
     std::string recording, out, material;
+    std::optional<int> texture;
+    std::optional<double> mu;
     SampleOptions sample;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* const command =
       texture.add_subcommand("fit", "Make a model of a recording of a tip that slides over a flat sample");
-  command->add_option("recording", options->recording, "t_s, x_m, y_m, z_m, fx_N, fy_N, fz_N at one rate")->required();
+  command
+      ->add_option("recording", options->recording,
+                   "t_s, x_m, y_m, z_m, fx_N, fy_N, fz_N at one rate; or the folder sensor_data of the Cluster Haptic "
+                   "Texture Dataset")
+      ->required();
   command->add_option("--out", options->out, "The model, in the layout of Models_*.xml")->required();
   command->add_option("--material", options->material, "Its name; without it that of the recording's file");
+  command->add_option("--texture", options->texture, "Of a folder: the texture's number");
+  command->add_option("--mu", options->mu, "Friction coefficient, in place of the recording's; a folder has none");
   options->sample.add_to(*command);
   command->callback([&run, options] {
     run = [options] {
       options->sample.check();
-      const SlideWindows windows = windows_of(options->recording, options->sample, 1.0);
-      const std::string material =
-          options->material.empty() ? std::filesystem::path(options->recording).stem().string() : options->material;
-      const TextureFit fit = fit_texture(windows, options->sample.effective_mass_kg, material);
+      const bool is_set = std::filesystem::is_directory(options->recording);
+      if (is_set != options->texture.has_value())
+        throw UsageError("texture fit: --texture goes with the folder of a data set, and with nothing else");
+      if (is_set && !options->mu)
+        throw UsageError("texture fit: --mu is needed; the set's texture_list.xlsx has it for each texture");
+      if (options->mu && !(*options->mu >= 0.0 && *options->mu <= 100.0))
+        throw UsageError(fmt::format("--mu: {:g} is not within 0 to 100", *options->mu));
+      const SlideWindows windows =
+          is_set ? cluster_windows(options->recording, *options->texture, options->sample.effective_mass_kg)
+                 : windows_of(options->recording, options->sample, 1.0);
+      const std::string material = !options->material.empty() ? options->material
+                                   : is_set                   ? fmt::format("texture {}", *options->texture)
+                                            : std::filesystem::path(options->recording).stem().string();
+      TextureFit fit = fit_texture(windows, options->sample.effective_mass_kg, material);
+      if (options->mu) fit.model.mu = *options->mu;
       write_file(options->out, texture_model_to_xml(fit.model));
       fmt::print("{}model: {}\n", text_of(fit, windows), options->out);
       return ExitStatus::passed;

@@ -107,6 +107,11 @@ TEST_F(TextureCommand, WhatCannotBeUsedIsSaid) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "wrong.so"));
   EXPECT_EQ(run("texture compare made.xml path.csv").status, 3) << "it has no forces";
   EXPECT_EQ(run("texture fit path.csv --out x.xml --normal 0,0,0").status, 2);
+  EXPECT_EQ(run("texture fit path.csv --out x.xml --texture 3").status, 2) << "it is no folder";
+  const Outcome no_friction = run("texture fit . --texture 3 --out x.xml");
+  EXPECT_EQ(no_friction.status, 2);
+  EXPECT_THAT(no_friction.err, HasSubstr("texture_list.xlsx"));
+  EXPECT_EQ(run("texture fit . --texture 3 --mu 0.4 --out x.xml").status, 3);
   // The plug-in as it is installed has no model.
   const Outcome empty =
       run(fmt::format("replay --model texture.json --plugin '{}' --mesh plate.obj --trajectory path.csv --out x.csv",

@@ -122,22 +122,21 @@ Evenness evenness(const std::vector<double>& x, std::size_t first, std::size_t l
   return result;
 }
 
-// What a constant, a line and a parabola over the window leave of one axis.
-std::vector<double> without_parabola(const std::vector<double>& f, std::size_t first, std::size_t length) {
+}  // namespace
+
+std::vector<double> without_parabola(const std::vector<double>& x, std::size_t first, std::size_t length) {
   Eigen::MatrixXd slow(length, 3);
-  Eigen::VectorXd x(length);
+  Eigen::VectorXd left(length);
   for (std::size_t i = 0; i < length; ++i) {
     const double u = 2.0 * static_cast<double>(i) / static_cast<double>(length - 1) - 1.0;
     const auto row = static_cast<Eigen::Index>(i);
     slow.row(row) << 1.0, u, u * u;
-    x[row] = f[first + i];
+    left[row] = x[first + i];
   }
-  const Eigen::Vector3d fitted = (slow.transpose() * slow).ldlt().solve(slow.transpose() * x);
-  x -= slow * fitted;
-  return {x.begin(), x.end()};
+  const Eigen::Vector3d fitted = (slow.transpose() * slow).ldlt().solve(slow.transpose() * left);
+  left -= slow * fitted;
+  return {left.begin(), left.end()};
 }
-
-}  // namespace
 
 SlideWindows slide_windows(const Recording& recording, const Vec3& normal_W, double step_share) {
   SlideWindows result;

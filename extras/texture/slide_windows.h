@@ -36,4 +36,7 @@ struct SlideWindows {
 // file and row for samples that do not come at one rate or exceed 1e9 N, and if no window is even, with what was found.
 SlideWindows slide_windows(const recording::Recording& recording, const Vec3& normal_W, double step_share);
 
+// What a constant, a line and a parabola over the window [first, first + length) leave of one axis.
+std::vector<double> without_parabola(const std::vector<double>& x, std::size_t first, std::size_t length);
+
 }  // namespace touchstone::texture

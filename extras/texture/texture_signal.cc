@@ -2,28 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "windowed_sinc.h"
+
 namespace touchstone::texture {
-namespace {
-
-// sin(pi x) / (pi x), exact at whole numbers.
-double sinc(double x) noexcept {
-  const double whole = std::round(x);
-  const double angle = std::numbers::pi * (x - whole);
-  if (whole == 0.0 && std::abs(angle) < 1e-9) return 1.0;
-  const double sine = std::fmod(whole, 2.0) == 0.0 ? std::sin(angle) : -std::sin(angle);
-  return sine / (std::numbers::pi * x);
-}
-
-double blackman(double x) noexcept {
-  if (!(std::abs(x) < 1.0)) return 0.0;
-  return 0.42 + 0.5 * std::cos(std::numbers::pi * x) + 0.08 * std::cos(2.0 * std::numbers::pi * x);
-}
-
-}  // namespace
-
 TextureSignal::TextureSignal(std::shared_ptr<const TextureModel> model, std::uint64_t seed)
     : model_(std::move(model)), seed_(seed), random_(seed) {}
 

@@ -28,11 +28,10 @@ class TextureSignal {
   std::array<double, kMostCoefficients> noises_{};
 };
 
-// At the times of the loop the signal is the sum of its samples over a sinc in a Blackman window (Oppenheim and
-// Schafer, "Discrete-time signal processing", 2010, chapter 7.5), so that a faster loop adds no images of the spectrum
-// above the model's own, and a slower one, as far as half the model's rate, folds nothing down; a tenth of the rate
-// around the upper end of the band is lost. It is late by kHalfWidth samples; a loop at the model's rate gets the
-// samples themselves.
+// At the times of the loop the signal is the sum of its samples over a windowed sinc (windowed_sinc.h), so that a
+// faster loop adds no images of the spectrum above the model's own, and a slower one, as far as half the model's rate,
+// folds nothing down; a tenth of the rate around the upper end of the band is lost. It is late by kHalfWidth samples; a
+// loop at the model's rate gets the samples themselves.
 class TexturePlayer {
  public:
   static constexpr std::size_t kHalfWidth = 16;
