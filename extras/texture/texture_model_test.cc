@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -123,6 +124,31 @@ TEST(TextureFile, FrequenciesThatDoNotAscendAreNoStableFilter) {
   std::swap(model.nodes[2].ar_rad[0], model.nodes[2].ar_rad[1]);
   EXPECT_THAT([&] { parse_texture_model(texture_model_to_xml(model), "m.xml"); },
               ThrowsMessage<BadData>(HasSubstr("ascend between 0 and pi")));
+}
+
+// Whatever a disk or a hand does to a file: it is read, or refused with a sentence.
+TEST(TextureFile, DamageIsReadOrRefused) {
+  const std::string whole = texture_model_to_xml(made_texture());
+  std::mt19937_64 engine(6);
+  int refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string xml = whole;
+    for (std::uint64_t damages = 1 + engine() % 3; damages > 0; --damages) {
+      const std::size_t at = engine() % xml.size();
+      if (engine() % 4 == 0) {
+        xml.erase(at, engine() % 200);
+      } else {
+        xml[at] = static_cast<char>(engine() % 256);
+      }
+    }
+    try {
+      const TextureFilter filter = filter_at(parse_texture_model(xml, "m.xml"), 0.1, 1.0);
+      EXPECT_TRUE(std::isfinite(filter.density(100.0, 1000.0)));
+    } catch (const BadData&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 1000);
 }
 
 TEST(TextureFile, OtherXmlIsNoTexture) {
