@@ -1,6 +1,7 @@
 // A known process is found again in a recording of it, by a generator that shares nothing with the fit.
 #include "texture_fit.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +62,8 @@ TEST_P(FitRates, CoefficientsVarianceAndFrictionAreFoundAgain) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Rates, FitRates, ::testing::Values(500.0, 1000.0, 2500.0));
+INSTANTIATE_TEST_SUITE_P(Rates, FitRates, ::testing::Values(500.0, 1000.0, 2500.0),
+                         [](const auto& test) { return fmt::format("{:g}_Hz", test.param); });
 
 TEST(TextureFit, ATurnOfTheWorldChangesNothing) {
   const Quat turn(Eigen::AngleAxisd(1.1, Vec3(1.0, -2.0, 0.5).normalized()));

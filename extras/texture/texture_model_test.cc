@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "harness/base/atomic_file.h"
@@ -91,11 +92,12 @@ TEST(TextureFile, WhatIsWrittenIsRead) {
   EXPECT_NEAR(a.density(150.0, 2500.0) / b.density(150.0, 2500.0), 1.0, 1e-9);
 }
 
-class BrokenTextureFile : public ::testing::TestWithParam<std::array<std::string, 3>> {};
+// A name, what stands in a whole file, what stands there instead, and what is said of it.
+class BrokenTextureFile : public ::testing::TestWithParam<std::array<std::string, 4>> {};
 
 TEST_P(BrokenTextureFile, IsRefusedWithLineElementAndValue) {
   std::string xml = texture_model_to_xml(made_texture());
-  const auto& [from, to, said] = GetParam();
+  const auto& [from, to, said] = std::tie(GetParam()[1], GetParam()[2], GetParam()[3]);
   const std::size_t at = xml.find(from);
   ASSERT_NE(at, std::string::npos);
   xml.replace(at, from.size(), to);
@@ -105,19 +107,22 @@ TEST_P(BrokenTextureFile, IsRefusedWithLineElementAndValue) {
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds, BrokenTextureFile,
-    ::testing::Values(std::array<std::string, 3>{"<mu>0.35</mu>", "<mu>nan</mu>", "<mu>: 'nan' is no number"},
-                      std::array<std::string, 3>{"<mu>0.35</mu>", "", "has no <mu>"},
-                      std::array<std::string, 3>{"mm/s", "m/s", "<SpeedUnits>: 'm/s' is another unit than mm/s"},
-                      std::array<std::string, 3>{"<numMod>5", "<numMod>6", "says 6, but there are 5 elements <model>"},
-                      std::array<std::string, 3>{"<numARCoeff>2", "<numARCoeff>3", "has 2 values, 3 were expected"},
-                      std::array<std::string, 3>{"<numARCoeff>2", "<numARCoeff>200", "'200' is no number from 1 to 25"},
-                      std::array<std::string, 3>{"<var>0.4</var>", "<var>-0.4</var>", "'-0.4' is no number from 0"},
-                      std::array<std::string, 3>{"<value>5</value>\n   </tri>", "<value>6</value></tri>",
-                                                 "'6' is no number from 1 to 5"},
-                      std::array<std::string, 3>{"<value>5</value>\n   </tri>", "<value>2</value></tri>",
-                                                 "lie on one line"},
-                      std::array<std::string, 3>{"<maxForce>2<", "<maxForce>3<", "cover 66.67 %"},
-                      std::array<std::string, 3>{"</modelSet>", "", "no XML"}));
+    ::testing::Values(
+        std::array<std::string, 4>{"number", "<mu>0.35</mu>", "<mu>nan</mu>", "<mu>: 'nan' is no number"},
+        std::array<std::string, 4>{"missing", "<mu>0.35</mu>", "", "has no <mu>"},
+        std::array<std::string, 4>{"unit", "mm/s", "m/s", "<SpeedUnits>: 'm/s' is another unit than mm/s"},
+        std::array<std::string, 4>{"models", "<numMod>5", "<numMod>6", "says 6, but there are 5 elements <model>"},
+        std::array<std::string, 4>{"coefficients", "<numARCoeff>2", "<numARCoeff>3", "has 2 values, 3 were expected"},
+        std::array<std::string, 4>{"too_many_coefficients", "<numARCoeff>2", "<numARCoeff>200",
+                                   "'200' is no number from 1 to 25"},
+        std::array<std::string, 4>{"variance", "<var>0.4</var>", "<var>-0.4</var>", "'-0.4' is no number from 0"},
+        std::array<std::string, 4>{"corner", "<value>5</value>\n   </tri>", "<value>6</value></tri>",
+                                   "'6' is no number from 1 to 5"},
+        std::array<std::string, 4>{"flat_triangle", "<value>5</value>\n   </tri>", "<value>2</value></tri>",
+                                   "lie on one line"},
+        std::array<std::string, 4>{"gap", "<maxForce>2<", "<maxForce>3<", "cover 66.67 %"},
+        std::array<std::string, 4>{"end", "</modelSet>", "", "no XML"}),
+    [](const auto& test) { return test.param[0]; });
 
 TEST(TextureFile, FrequenciesThatDoNotAscendAreNoStableFilter) {
   TextureModel model = made_texture();

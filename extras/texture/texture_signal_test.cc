@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "harness/perception/fourier.h"
@@ -49,6 +50,7 @@ BandMean band_mean(const std::vector<double>& x, double rate_Hz, const TextureFi
 }
 
 struct Played {
+  const char* name;
   double speed_m_per_s, force_N, rate_Hz, model_rate_Hz;
   bool numerator;
 };
@@ -86,12 +88,16 @@ TEST_P(TextureSpectrum, IsThatOfTheFormula) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    SpeedsForcesRates, TextureSpectrum,
-    ::testing::Values(Played{0.1, 1.0, 1000.0, 1000.0, false}, Played{0.04, 0.6, 1000.0, 1000.0, false},
-                      Played{0.19, 1.9, 1000.0, 1000.0, false}, Played{0.15, 1.2, 1000.0, 1000.0, true},
-                      Played{0.15, 1.2, 2000.0, 2000.0, true}, Played{0.1, 1.0, 3000.0, 1000.0, false},
-                      Played{0.1, 1.0, 700.0, 1000.0, false}, Played{0.1, 1.0, 1000.0, 1300.0, false}));
+INSTANTIATE_TEST_SUITE_P(SpeedsForcesRates, TextureSpectrum,
+                         ::testing::Values(Played{"at_a_node", 0.1, 1.0, 1000.0, 1000.0, false},
+                                           Played{"slow_and_light", 0.04, 0.6, 1000.0, 1000.0, false},
+                                           Played{"fast_and_hard", 0.19, 1.9, 1000.0, 1000.0, false},
+                                           Played{"with_a_numerator", 0.15, 1.2, 1000.0, 1000.0, true},
+                                           Played{"at_2_kHz", 0.15, 1.2, 2000.0, 2000.0, true},
+                                           Played{"in_a_faster_loop", 0.1, 1.0, 3000.0, 1000.0, false},
+                                           Played{"in_a_slower_loop", 0.1, 1.0, 700.0, 1000.0, false},
+                                           Played{"model_at_1300_Hz", 0.1, 1.0, 1000.0, 1300.0, false}),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 // What lies above half the loop's rate must not come down into its band: 420 Hz would be heard at 280 Hz.
 TEST(TexturePlayer, ASlowerLoopFoldsNothingDown) {
