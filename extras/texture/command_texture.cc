@@ -26,6 +26,7 @@ namespace {
 struct SampleOptions {
   std::vector<double> normal{0.0, 0.0, 1.0};
   double effective_mass_kg = kEffectiveMass_kg;
+  bool flip_force = false;
 
   void add_to(CLI::App& command) {
     command.add_option("--normal", normal, "Outward normal of the flat sample, as x,y,z")
@@ -36,6 +37,8 @@ struct SampleOptions {
         .add_option("--effective-mass-kg", effective_mass_kg,
                     "Of handle and hand: the force of the vibration over the model's acceleration")
         ->capture_default_str();
+    command.add_flag("--flip-force", flip_force,
+                     "The recordings have the force BY the probe: negate it, in all of them");
   }
   void check() const {
     if (!(normal_W().norm() > 0.0)) throw UsageError("--normal: 0,0,0 is no direction");
@@ -46,7 +49,11 @@ struct SampleOptions {
 };
 
 SlideWindows windows_of(const std::string& file, const SampleOptions& sample, double step_share) {
-  return slide_windows(recording::load_recording(file), sample.normal_W(), step_share);
+  recording::Recording recording = recording::load_recording(file);
+  if (sample.flip_force) {
+    for (Vec3& force : recording.f_W_N) force = -force;
+  }
+  return slide_windows(recording, sample.normal_W(), step_share);
 }
 
 void add_plugin(CLI::App& texture, apps::Run& run) {

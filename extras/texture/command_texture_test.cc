@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "harness/base/json_reader.h"
 #include "harness/testing/built_program.h"
@@ -40,6 +44,21 @@ class TextureCommand : public testing::BuiltProgram {
     }
     write_file(folder_ / name, text);
   }
+  // The first seven columns of a file.
+  [[nodiscard]] std::vector<std::array<double, 7>> rows(const std::string& name) const {
+    std::istringstream text(read_file(folder_ / name));
+    std::vector<std::array<double, 7>> result;
+    std::string line;
+    std::getline(text, line);
+    while (std::getline(text, line)) {
+      std::istringstream fields(line);
+      for (double& value : result.emplace_back()) {
+        fields >> value;
+        fields.ignore();
+      }
+    }
+    return result;
+  }
   void play(const std::string& plugin, const std::string& path, const std::string& out) const {
     const Outcome played = run(fmt::format(
         "replay --model texture.json --plugin {} --mesh plate.obj --trajectory {} --out {}", plugin, path, out));
@@ -62,6 +81,13 @@ TEST_F(TextureCommand, AModelIsPlayedFittedAndCompared) {
   EXPECT_THAT(fitted.out, HasSubstr("friction 0.35"));
   ASSERT_EQ(run("texture plugin fitted.xml --out fitted.so").status, 0);
   play("fitted.so", "path.csv", "again.csv");
+  // The same with the force by the probe.
+  std::string reversed;
+  for (const auto& [t, x, y, z, fx, fy, fz] : rows("played.csv"))
+    reversed += fmt::format("{},{},{},{},{},{},{}\n", t, x, y, z, -fx, -fy, -fz);
+  write_file(folder_ / "reversed.csv", "t_s,x_m,y_m,z_m,fx_N,fy_N,fz_N\n" + reversed);
+  EXPECT_THAT(run("texture compare made.xml reversed.csv").err, HasSubstr("--flip-force"));
+  EXPECT_EQ(run("texture compare made.xml reversed.csv --flip-force").status, 0);
   for (const char* const expected : {"made.xml", "fitted.xml", "played.csv"}) {
     const Outcome again = run(fmt::format("texture compare {} again.csv", expected));
     EXPECT_EQ(again.status, 0) << expected << "\n" << again.out << again.err;

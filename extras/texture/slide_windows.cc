@@ -177,7 +177,9 @@ SlideWindows slide_windows(const Recording& recording, const Vec3& normal_W, dou
                     "{:.0f} %: it slides "
                     "for {:.3g} s, at up to {:.4g} mm/s and with up to {:.4g} N along the normal ({:g}, {:g}, {:g}). "
                     "Press with more "
-                    "than {:g} N, stroke faster than {:g} mm/s, and give --normal if the sample does not face +z",
+                    "than {:g} N, stroke faster than {:g} mm/s, give --normal if the sample does not face +z, and "
+                    "--flip-force if the "
+                    "file has the force BY the probe",
                     recording.source, kWindow_s, 100.0 * kEven, result.sliding_s, 1e3 * fastest, hardest_N, normal.x(),
                     normal.y(), normal.z(), kTouches_N, 1e3 * kSlides_m_per_s));
   }

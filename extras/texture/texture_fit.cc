@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kLeastOrder = 2;
 constexpr std::size_t kLargestOrder = 20;
 constexpr std::size_t kLeastWindows = 4;  // of a part: one second
+constexpr double kDriving = 0.02;         // of the load: less is an error of the normal
 constexpr double kPart = 1.0 / 6.0;       // of the largest speed and force, that one part may span
 
 using Part = std::vector<const SlideWindow*>;
@@ -118,7 +119,14 @@ double friction(const SlideWindows& windows) {
     product += window.friction_N * window.load_N;
     squares += window.load_N * window.load_N;
   }
-  return std::max(0.0, product / squares);
+  const double slope = product / squares;
+  if (slope < -kDriving) {
+    throw BadData(
+        fmt::format("{}: the force drives the motion instead of resisting it (friction would be {:.3g}): if the "
+                    "file has the force BY the probe, give --flip-force",
+                    windows.source, slope));
+  }
+  return std::max(0.0, slope);
 }
 
 // Points on the edges of the rectangle, with the filter of the nearest part.

@@ -40,7 +40,8 @@ struct TextureFit {
   std::size_t left_out = 0;  // windows at speeds and forces of which there were too few
 };
 
-// `windows` begin one after the other (step_share 1). Throws BadData if there are too few, with how much is needed.
+// `windows` begin one after the other (step_share 1). Throws BadData if there are too few, with how much is needed, if
+// there is no fast force, and if the force drives the motion.
 TextureFit fit_texture(const SlideWindows& windows, double effective_mass_kg, const std::string& material);
 
 std::string text_of(const TextureFit& fit, const SlideWindows& windows);

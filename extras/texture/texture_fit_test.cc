@@ -140,6 +140,13 @@ TEST(SlideWindows, WhatCannotBeUsedIsNamed) {
   EXPECT_THAT([&] { slide_windows(made, Vec3::UnitZ(), 1.0); }, ThrowsMessage<BadData>(HasSubstr("sample 2001")));
 }
 
+TEST(TextureFit, AForceThatDrivesTheMotionIsRefused) {
+  const recording::Recording made =
+      made_slide({{0.1, 1.0, 4.0}}, {{resonance(90.0, 0.9, 1000.0), 0.1}}, -0.3, 1000.0, 2);
+  EXPECT_THAT([&] { fit_texture(slide_windows(made, Vec3::UnitZ(), 1.0), kMadeMass_kg, "made"); },
+              ThrowsMessage<BadData>(HasSubstr("--flip-force")));
+}
+
 TEST(TextureFit, AForceWithoutAFastPartIsNoTexture) {
   const recording::Recording made = made_slide({{0.1, 1.0, 4.0}}, {{{1.0, 0.0}, 0.0}}, 0.0, 1000.0, 2);
   EXPECT_THAT([&] { fit_texture(slide_windows(made, Vec3::UnitZ(), 1.0), kMadeMass_kg, "made"); },
