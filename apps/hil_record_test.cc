@@ -13,6 +13,7 @@
 #include "hil/emulators/haply_emulator.h"
 #include "hil/emulators/natnet_emulator.h"
 #include "hil/emulators/netft_emulator.h"
+#include "hil/emulators/qualisys_emulator.h"
 #include "hil/emulators/serial_emulator.h"
 #include "hil/emulators/vrpn_emulator.h"
 
@@ -122,22 +123,26 @@ TEST_F(HilRecord, ProbeConnectsToATrackerOnlyIfItIsNamed) {
 TEST_F(HilRecord, EachDeviceOfTheTableIsRecordedByItsName) {
   hil::SerialEmulator bota(hil::bota_sensor({}, [](double t) { return Wrench{Vec3(0, 0, t), Vec3::Zero()}; }));
   hil::SerialEmulator cell(hil::load_cell_sketch(true, 80.0, [](double) { return 500.0; }));
+  hil::SerialEmulator pfs(hil::leptrino_sensor({}, [](double) { return Wrench{}; }));
+  hil::QualisysEmulator qtm(100.0, {}, [](double) { return hil::EmulatedPose{}; });
   hil::VrpnEmulator vicon(100.0, [](double t) { return hil::EmulatedPose{Vec3(t, 0, 0), Quat::Identity(), true}; });
   hil::HaplyEmulator inverse({}, [](double t) { return Vec3(0.01 * t, 0, 0); });
   map(fmt::format(R"({{"id": "bota-serial", "address": "{}"}},
                      {{"id": "hx711-serial", "address": "{}", "newtons_per_unit": 0.00980665, "rate_Hz": 80}},
+                     {{"id": "leptrino-serial", "address": "{}"}},
+                     {{"id": "qualisys", "address": "127.0.0.1", "port": {}, "body": "Stylus"}},
                      {{"id": "vrpn", "address": "127.0.0.1", "port": {}, "body": "Tracker0"}},
                      {{"id": "haply-inverse3", "address": "127.0.0.1", "port": {}}})",
-                  bota.node(), cell.node(), vicon.port(), inverse.port()));
+                  bota.node(), cell.node(), pfs.node(), qtm.port(), vicon.port(), inverse.port()));
   const auto found = run("hil probe --map map.json --json probe.json");
   EXPECT_EQ(found.status, 0) << found.out << found.err;
   const auto outcome =
-      run("hil record bota-serial hx711-serial vrpn haply-inverse3 --handle-rate 200 --map map.json --seconds 2 --out "
-          "session");
+      run("hil record bota-serial hx711-serial leptrino-serial qualisys vrpn haply-inverse3 --handle-rate 200 --map "
+          "map.json --seconds 2 --out session");
   // On a busy machine ticks of the handle are missed and counted; no stream may be missing.
   EXPECT_LE(outcome.status, 1) << outcome.out << outcome.err;
   const auto session = nlohmann::json::parse(read_file(folder_ / "session" / "session.json"));
-  ASSERT_EQ(session["streams"].size(), 4U);
+  ASSERT_EQ(session["streams"].size(), 6U);
   for (const auto& stream : session["streams"]) {
     EXPECT_GT(stream["samples"], 50) << stream["name"];
     EXPECT_TRUE(stream["emulated"]) << stream["name"];
@@ -153,6 +158,13 @@ TEST_F(HilRecord, MistakesAreSaid) {
   EXPECT_THAT(run("hil record optitrack hx711-serial --map map.json --out d.tsraw").err, HasSubstr("need a folder"));
   map(R"({"id": "optitrack", "address": "x", "axis": "w"})");
   EXPECT_THAT(run("hil record optitrack --map map.json --out e").err, HasSubstr("x, y or z"));
+  // A sensor in the place of another of its kind.
+  hil::SerialEmulator pfs(hil::leptrino_sensor({}, [](double) { return Wrench{}; }));
+  map(fmt::format(R"({{"id": "leptrino-serial", "address": "{}", "serial": "1906001"}})", pfs.node()));
+  EXPECT_THAT(run("hil record leptrino-serial --map map.json --out f").err,
+              HasSubstr("serial 2606008, the hardware map wants 1906001"));
+  EXPECT_THAT(run("hil record leptrino-serial leptrino-serial --map map.json --out g").err,
+              HasSubstr("leptrino-serial: is named more than once"));
 }
 
 }  // namespace

@@ -5,8 +5,9 @@
 #   The static library <name>, which sees the folder of the extra. -O1: an extra parses, calls and writes; what computes long
 #   is in the rooms, or HOT.
 # touchstone_extra_program(<name> COMMANDS first... SOURCES main.cc LIBS target... [FORMATS file.json])
-#   The program touchstone-<first> under the name of each command (apps/extras.h). FORMATS: a table of the files that it reads and writes, for
-#   `touchstone formats`.
+#   The program touchstone-<first> under the name of each command (apps/extras.h), with touchstone_extra_formats.
+# touchstone_extra_formats(<name> file.json)
+#   A table of the files that the extra reads and writes, for `touchstone formats`.
 # touchstone_add_tests(<name> SOURCES a_test.cc... LIBS target... [HEADERS a_for_test.h...] [LABELS l...] [TIMEOUT s]
 #                      [ENVIRONMENT NAME=value...])
 function(touchstone_extra_library name)
@@ -27,6 +28,13 @@ function(touchstone_extra_library name)
   endif()
 endfunction()
 
+function(touchstone_extra_formats name file)
+  set(formats ${PROJECT_BINARY_DIR}/share/touchstone/formats)
+  file(MAKE_DIRECTORY ${formats})
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${file} ${formats}/${name}.json SYMBOLIC)
+  install(FILES ${file} DESTINATION share/touchstone/formats RENAME ${name}.json COMPONENT program)
+endfunction()
+
 function(touchstone_extra_program name)
   cmake_parse_arguments(ARG "" "FORMATS" "COMMANDS;SOURCES;LIBS" ${ARGN})
   set(programs ${PROJECT_BINARY_DIR}/bin)
@@ -43,10 +51,7 @@ function(touchstone_extra_program name)
     install(FILES ${programs}/touchstone-${command} DESTINATION bin COMPONENT program)
   endforeach()
   if(ARG_FORMATS)
-    set(formats ${PROJECT_BINARY_DIR}/share/touchstone/formats)
-    file(MAKE_DIRECTORY ${formats})
-    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_FORMATS} ${formats}/${first}.json SYMBOLIC)
-    install(FILES ${ARG_FORMATS} DESTINATION share/touchstone/formats RENAME ${first}.json COMPONENT program)
+    touchstone_extra_formats(${first} ${ARG_FORMATS})
   endif()
   if(COMMAND touchstone_carry_commit)
     touchstone_carry_commit(${name})

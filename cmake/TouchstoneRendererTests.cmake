@@ -18,6 +18,9 @@
 #                                         EPSILON a length below which the renderer tells nothing apart.
 #                                         What the renderer declares it cannot do is skipped and shown as such, and so are
 #                                         the faults of ALLOW, which are known (their names: touchstone scorecard).
+#   <prefix>.loop                         if touchstone-loop is installed: on a device with enough viscous friction the renderer
+#                                         is stable in a hand below Colgate and Schenkel's limit. Skipped without a parameter
+#                                         stiffness_N_per_m.
 #   <prefix>.golden.<case>                GOLDEN_LIKE: the bundled golden cases that have this model (all, or GOLDEN_CASES), with
 #                                         the renderer in place of the model's own: it must give the same within tolerance, or
 #                                         with VERDICT felt be off the right answer by less than a person notices, EPSILON
@@ -86,6 +89,8 @@ function(touchstone_add_renderer_tests)
     endif()
   endforeach()
   _touchstone_add_conformance_tests("${ARG_PREFIX}" "${ARG_LABELS}" "${arguments}")
+
+  _touchstone_add_loop_test(${ARG_PREFIX} ${ARG_RENDERER} ${plugin} "${ARG_LABELS}")
 
   if(DEFINED ARG_VERDICT AND NOT ARG_VERDICT MATCHES "^(exact|felt)$")
     message(FATAL_ERROR "touchstone_add_renderer_tests: VERDICT ${ARG_VERDICT} is none; it is exact or felt")
@@ -171,6 +176,18 @@ foreach(line IN LISTS listed)
       DEPENDS \"\${runs}\")
   endif()
 endforeach()
+")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
+endfunction()
+
+# Whether the extra stands beside the program is known when ctest runs.
+function(_touchstone_add_loop_test prefix renderer plugin labels)
+  set(script ${CMAKE_CURRENT_BINARY_DIR}/${prefix}_loop_test.cmake)
+  file(GENERATE OUTPUT ${script} CONTENT "if(EXISTS \"$<TARGET_FILE_DIR:touchstone::program>/touchstone-loop\")
+  add_test(${prefix}.loop \"$<TARGET_FILE:touchstone::program>\" loop atlas \"--plugin=$<TARGET_FILE:${plugin}>\" --renderer=${renderer}
+    --case \"passive plane\")
+  set_tests_properties(${prefix}.loop PROPERTIES TIMEOUT 300 LABELS \"${labels}\" SKIP_RETURN_CODE 77)
+endif()
 ")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
 endfunction()

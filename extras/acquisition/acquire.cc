@@ -403,12 +403,7 @@ RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const surf
                                             *report.contacts, *report.markers, *report.object_move);
   refuse(d, check.faults);
   std::ranges::copy(check.doubts, std::back_inserter(report.notes));
-  if (report.object_move->unnoticed_m > 2e-3)
-    report.notes.push_back(fmt::format(
-        "the object may have moved by {} along the touched surface without that the contacts show it: measure the "
-        "markers again at the end, and compare",
-        report.object_move->unnoticed_m < 0.1 ? fmt::format("{:.2g} mm", 1e3 * report.object_move->unnoticed_m)
-                                              : "any way"));
+  if (auto doubt = report.object_move->doubt(); !doubt.empty()) report.notes.push_back(std::move(doubt));
   return correction * object;
 }
 

@@ -51,7 +51,8 @@ Acquired acquire(const AcquisitionDescription& description);
 // The report as JSON, schema "touchstone-acquisition-report/1", and as lines for people.
 std::string report_json(const AcquisitionReport& report);
 std::string report_text(const AcquisitionReport& report);
-// A tool that was identified, for people: its values with their deviations, and what it leaves.
-std::string tool_text(const ToolIdentification& tool, const ForceGains& gains);
+// A tool that was identified, for people: its values with their deviations, and what it leaves. If no tool fits the
+// forces, gains of the axes mean nothing, and it says what would tell them.
+std::string tool_text(const ToolIdentification& tool, const ForceGains& gains, bool forces_fit);
 
 }  // namespace touchstone::acquisition

@@ -49,9 +49,9 @@ double scatter_of(const ClockAlignment& line) {
 }
 
 // The same rows with the skew's correction held at a value, and no longer a parameter.
-stats::NormalEquations with_skew_at(const stats::NormalEquations& whole, double correction) {
+NormalEquations with_skew_at(const NormalEquations& whole, double correction) {
   const Eigen::Index rest = whole.right.size() - 2;
-  stats::NormalEquations part{Eigen::MatrixXd(rest + 1, rest + 1), Eigen::VectorXd(rest + 1)};
+  NormalEquations part{Eigen::MatrixXd(rest + 1, rest + 1), Eigen::VectorXd(rest + 1)};
   part.normal(0, 0) = whole.normal(0, 0);
   part.normal.row(0).tail(rest) = whole.normal.row(0).tail(rest);
   part.normal.col(0).tail(rest) = whole.normal.col(0).tail(rest);
@@ -102,7 +102,7 @@ ClockAlignment fit_clock_line(const std::vector<ClockCluster>& clusters, const C
   ClockAlignment line;
   line.fitted_about_s = near.reference_s;
   double duration_s = 0.0;
-  std::vector<stats::NormalEquations> equations;
+  std::vector<NormalEquations> equations;
   for (const ClockCluster& c : clusters) {
     line.events.push_back(c.event);
     equations.push_back(c.equations);
@@ -110,7 +110,7 @@ ClockAlignment fit_clock_line(const std::vector<ClockCluster>& clusters, const C
     line.taps += !c.event.free_motion;
   }
   line.free_motion = static_cast<std::size_t>(std::lround(duration_s));
-  line.fit = stats::ClusteredFit(equations);
+  line.fit = ClusteredFit(equations);
   line.skew_sigma = ordinary_skew;
   if (line.fit.determined() && line.events.size() >= 3) {
     Eigen::VectorXd skew = Eigen::VectorXd::Zero(line.fit.estimate().size());
@@ -127,7 +127,7 @@ ClockAlignment fit_clock_line(const std::vector<ClockCluster>& clusters, const C
   } else {
     // No skew is assumed: what the nearby line had of it, from an earlier pass, goes too.
     for (auto& e : equations) e = with_skew_at(e, -near.skew * clock_time_unit_s);
-    line.fit = stats::ClusteredFit(std::move(equations));
+    line.fit = ClusteredFit(std::move(equations));
     line.skew_sigma = ordinary_skew;
     line.reference_s = middle_of(line.events);
     line.skew = 0.0;
@@ -157,7 +157,7 @@ ClockAlignment fit_clock_line(const std::vector<ClockCluster>& clusters, const C
   return line;
 }
 
-stats::ClusteredFit::Error ClockAlignment::error_at(double t_motion_s) const {
+ClusteredFit::Error ClockAlignment::error_at(double t_motion_s) const {
   if (!fit.determined()) return {std::hypot(offset_sigma_s, skew_sigma * (t_motion_s - reference_s)), 1.0};
   Eigen::VectorXd contrast = Eigen::VectorXd::Zero(fit.estimate().size());
   contrast[0] = 1.0;

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/stats/clustered_fit.h"
+#include "clustered_fit.h"
 #include "tap_alignment.h"
 
 namespace touchstone::acquisition {
@@ -36,7 +36,7 @@ inline constexpr double coarse_error_s = 0.12;
 // free motion. The first two parameters of its equations are the correction of the offset at the reference time of a
 // nearby line, and of the skew times clock_time_unit_s; others are of this kind of observation alone.
 struct ClockCluster {
-  stats::NormalEquations equations;
+  NormalEquations equations;
   ClockAlignment::Event event;
   double duration_s = 0.0;
 };

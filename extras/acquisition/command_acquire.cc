@@ -56,8 +56,8 @@ ExitStatus identify_from_poses(const ToolOptions& options) {
   AcquisitionReport report;
   report.tool = recording::identify_tool(read_as(poses, reading), gravity, options.table);
   report.gains = identify_gains(read_as(poses, reading), gravity);
-  fmt::print("{}", tool_text(*report.tool, report.gains));
   const FrameCheck check = check_frames(poses, reading, *report.tool, gravity, options.table);
+  fmt::print("{}", tool_text(*report.tool, report.gains, check.forces_fit()));
   if (check.bad_fit) {
     report.notes.push_back(check.message(*report.tool, options.table));
     fmt::print(stderr, "warning: {}\n", report.notes.back());

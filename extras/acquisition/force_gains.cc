@@ -28,10 +28,6 @@ Square square_of(const ForceGains& gains, const Mat3& moments_N2, double mass_kg
           3.0 * relative * relative * (gains.inverse_gravity_s4_m2 * moments_N2).trace()};
 }
 
-constexpr std::string_view more_poses =
-    "hold the tool still with each axis of the sensor up and down and in between, ten poses or more, if need be with a "
-    "weight on it";
-
 }  // namespace
 
 ForceGains identify_gains(const std::vector<StaticPose>& poses, const Vec3& gravity_W) {
@@ -77,7 +73,7 @@ GainError gain_error(const ForceGains& gains, const std::vector<Vec3>& contact_f
     result.error_N = result.sigma_N = std::numeric_limits<double>::quiet_NaN();
     result.doubt = fmt::format(
         "cannot tell whether the axes of the force have one gain: {} static poses do not determine their gains; {}",
-        gains.poses, more_poses);
+        gains.poses, gain_poses);
     return result;
   }
   std::vector<double> masses;
@@ -107,7 +103,7 @@ GainError gain_error(const ForceGains& gains, const std::vector<Vec3>& contact_f
         "amplifier, and measure the poses again",
         figures);
   else if (!(result.error_N + clear_sigmas * result.sigma_N <= result.limit_N))
-    result.doubt = fmt::format("cannot tell whether the gains of the force's axes agree: {}; {}", figures, more_poses);
+    result.doubt = fmt::format("cannot tell whether the gains of the force's axes agree: {}; {}", figures, gain_poses);
   return result;
 }
 

@@ -12,6 +12,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/recording/tool_load.h"
@@ -20,6 +21,10 @@ namespace touchstone::acquisition {
 using recording::StaticPose;
 
 inline constexpr double largest_gain_error = 0.03;  // of the force
+// The motion that tells the gains.
+inline constexpr std::string_view gain_poses =
+    "hold the tool still with each axis of the sensor up and down and in between, ten poses or more, if need be with a "
+    "weight on it";
 
 struct ForceGains {
   bool determined = false;  // gravity pointed in directions of all three dimensions, in five poses or more

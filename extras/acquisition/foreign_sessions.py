@@ -309,7 +309,7 @@ def main(program, first, count, what, only=None):
                 place, worst, force, limit = session.errors(out)
                 right = place < 1e-3 and worst < 3e-3 and force < limit
                 verdict = 'right' if right else 'WRONG'
-                if not right and session.move_is_hidden() and 'the object may have moved by any way along' in said:
+                if not right and session.move_is_hidden() and 'by any distance along' in said:
                     verdict = 'said'
                 figures = '%.2f mm, worst %.2f mm, %.3f N of %.3f;' % (1e3 * place, 1e3 * worst, force, limit)
             refused += verdict == 'refused'

@@ -58,6 +58,8 @@ struct FrameCheck {
   // Where gains of its own for each axis of the force explain what is left, beyond chance: these, and what they leave.
   std::optional<ForceGains> gains;
 
+  // One tool, or one with a gain for each axis, explains the forces.
+  [[nodiscard]] bool forces_fit() const { return !bad_fit || gains || !torque_axes.empty(); }
   // Empty, or what a user must know, with the flags of the repair.
   [[nodiscard]] std::string message(const ToolIdentification& as_read, const std::string& source) const;
 };

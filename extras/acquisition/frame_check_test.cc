@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "acquire.h"
 #include "harness/base/random.h"
 #include "harness/base/signed_order.h"
 #include "harness/testing/shared_data.h"
@@ -17,7 +18,9 @@ namespace touchstone::acquisition {
 using recording::ToolLoad;
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 const Vec3 standard_gravity(0, 0, -9.80665);
 
 std::vector<StaticPose> made_poses(double mass_kg, double noise_N, int count, Random& random) {
@@ -122,6 +125,8 @@ TEST(FrameCheck, NamesGainsThatDifferByMoreThanAFitLeaves) {
     ASSERT_TRUE(check.gains);
     EXPECT_NEAR(check.gains->gains(std::nullopt)[axis], 1.4, 0.01);
     EXPECT_THAT(check.message(as_read, "poses.csv"), HasSubstr("with a gain for each of x, y and z"));
+    EXPECT_TRUE(check.forces_fit());
+    EXPECT_THAT(tool_text(as_read, *check.gains, true), HasSubstr("of the middle one (+- "));
   }
 }
 
@@ -150,6 +155,7 @@ TEST(FrameCheck, NamesTheTorquesAxesAndItsReverseAsOne) {
     EXPECT_THAT(check.torque_axes, ::testing::AnyOf(order.meaning('t'), reverse.meaning('t')));
     EXPECT_NEAR(check.torque_left_Nm, 5e-5, 2e-5);
     EXPECT_THAT(check.message(as_read, "poses.csv"), HasSubstr("if " + check.torque_axes));
+    EXPECT_TRUE(check.forces_fit()) << "of the torques nothing is said here";
   }
 }
 
@@ -176,6 +182,13 @@ TEST(FrameCheck, PosesThatNothingExplainsAreABadFitWithoutRepair) {
   EXPECT_FALSE(check.repair);
   EXPECT_EQ(check.axes, "");
   EXPECT_THAT(check.message(as_read, "mixed.csv"), HasSubstr("mixed.csv: bad fit"));
+  // Gains of forces that no tool explains are none, however sure the fit of twelve unknowns is of them.
+  const ForceGains gains = identify_gains(poses, standard_gravity);
+  ASSERT_TRUE(gains.determined);
+  EXPECT_FALSE(check.forces_fit());
+  EXPECT_THAT(tool_text(as_read, gains, check.forces_fit()),
+              AllOf(HasSubstr("gains of the axes cannot tell: no tool fits the forces"), HasSubstr("up and down"),
+                    Not(HasSubstr("of the middle one"))));
 }
 
 TEST(FrameCheck, ARealWrenchInTheWorldsFrameIsNamed) {

@@ -1,5 +1,7 @@
 #include "object_move.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -72,6 +74,7 @@ MoveNormal normal_equations(const AveragedContacts& contacts, const Eigen::LLT<E
 // is its root mean square at the touched places; `to_size` turns a move into these.
 struct MoveDirections {
   Vector6 estimate_m, sigma_m;
+  Mat3 shift_covariance_m2;  // of the contacts' middle
 
   [[nodiscard]] double sigmas(int k) const { return std::abs(estimate_m[k]) / sigma_m[k]; }
   [[nodiscard]] double most_sigmas() const { return (estimate_m.array().abs() / sigma_m.array()).maxCoeff(); }
@@ -108,6 +111,8 @@ MoveDirections directions_of(const MoveNormal& normal, const Matrix6& marker, co
     result.estimate_m[k] = along[k] / known;
     result.sigma_m[k] = 1.0 / std::sqrt(known);
   }
+  const Matrix6 unscaled = to_size.transpose() * eigen.eigenvectors() * result.sigma_m.asDiagonal();
+  result.shift_covariance_m2 = unscaled.topRows<3>() * unscaled.topRows<3>().transpose();
   return result;
 }
 
@@ -222,8 +227,11 @@ ObjectMove object_move(const surface::Surface& surface, const ContactSamples& co
   for (std::size_t k = 0; k < covariances.size(); ++k)
     covariances[k] = covariance_of(averaged, rows.spread_m / std::exp2(k + 1), noise_m);
   double best_gain = 0.0, most_sigmas = 0.0, unknown_half_way_m = 0.0;
+  Mat3 shift_covariance_m2 = Mat3::Zero();
   for (std::size_t part = 1; part < parts; ++part) {
-    ObjectMove here{.at_s = contacts.t_s[n * part / parts], .left_rms_m = left[part].rms_m};
+    ObjectMove here;
+    here.at_s = contacts.t_s[n * part / parts];
+    here.left_rms_m = left[part].rms_m;
     double gain = std::numeric_limits<double>::infinity();
     here.size_m = here.sigmas = gain, here.possible_m = 0.0;
     for (const auto& covariance : covariances) {
@@ -235,14 +243,45 @@ ObjectMove object_move(const surface::Surface& surface, const ContactSamples& co
       here.possible_m = std::max(here.possible_m, possible_m);
       here.sigmas = std::min(here.sigmas, d.most_sigmas());
       gain = std::min(gain, d.gain());
-      if (part == parts / 2) unknown_half_way_m = std::max(unknown_half_way_m, d.sigma_m.maxCoeff());
+      if (part != parts / 2) continue;
+      unknown_half_way_m = std::max(unknown_half_way_m, d.sigma_m.maxCoeff());
+      if (d.shift_covariance_m2.trace() > shift_covariance_m2.trace()) shift_covariance_m2 = d.shift_covariance_m2;
     }
     most_sigmas = std::max(most_sigmas, here.sigmas);
     if (gain > best_gain) best_gain = gain, result = here;
   }
   result.sigmas = most_sigmas;
   result.unnoticed_m = ObjectMove::clear_sigmas * unknown_half_way_m;
+  const Eigen::SelfAdjointEigenSolver<Mat3> shift(shift_covariance_m2);
+  result.shift_axes = shift.eigenvectors();
+  result.unnoticed_shift_m = ObjectMove::clear_sigmas * shift.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   return result;
+}
+
+std::string ObjectMove::doubt() const {
+  constexpr double matters_m = 2e-3, boundless_m = 0.1;
+  constexpr std::string_view advice = ": measure the markers again at the end, and compare";
+  if (!(unnoticed_m > matters_m)) return {};
+  if (!unnoticed_shift_m || unnoticed_shift_m->minCoeff() > boundless_m)
+    return fmt::format("the contacts do not show whether the object moved{}", advice);
+  const auto size = [](double m) { return m < boundless_m ? fmt::format("{:.2g} mm", 1e3 * m) : "any distance"; };
+  std::string text;
+  for (int k = 0; k < 3; ++k) {
+    // Either way: its largest component is written as positive.
+    Vec3 axis = shift_axes.col(k);
+    Eigen::Index largest = 0;
+    axis.cwiseAbs().maxCoeff(&largest);
+    axis = (std::copysign(100.0, axis[largest]) * axis).array().round() / 100.0;
+    text += fmt::format("{}by {} along ({:.2f}, {:.2f}, {:.2f})",
+                        k == 0   ? ""
+                        : k == 1 ? ", "
+                                 : " and ",
+                        size((*unnoticed_shift_m)[k]), axis.x() + 0.0, axis.y() + 0.0, axis.z() + 0.0);
+  }
+  if (unnoticed_shift_m->maxCoeff() <= matters_m)
+    text += fmt::format(", and turned by {} at the touched places", size(unnoticed_m));
+  return fmt::format("half-way, the object may have moved {} of the mesh's frame without that the contacts show it{}",
+                     text, advice);
 }
 
 }  // namespace touchstone::acquisition

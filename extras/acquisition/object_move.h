@@ -13,6 +13,8 @@
 #pragma once
 
 #include <limits>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "harness/base/vec.h"
@@ -60,8 +62,14 @@ struct ObjectMove {
   double possible_m = unlimited_m;             // with two standard errors of all other directions
   double unnoticed_m = unlimited_m;            // half-way, in the least known direction, what would not be clear
   double left_rms_m = unlimited_m;             // of the gaps, after the move
+  // Along which orthogonal directions of the mesh's frame the contacts' middle may have shifted half-way, turned or
+  // not, by how much without being clear; nothing below 26 contacts.
+  Mat3 shift_axes = Mat3::Identity();
+  std::optional<Vec3> unnoticed_shift_m;
 
   [[nodiscard]] bool clear() const { return sigmas > clear_sigmas; }
+  // Empty where every move beyond 2 mm would be clear; else what may have moved, direction by direction.
+  [[nodiscard]] std::string doubt() const;
 };
 // `contacts` lie where markers and contacts together place the object, `correction` from where the markers do: the gaps
 // are linear in moves of a few millimetres only. With fewer than 26 contacts (twice the parameters) nothing is known.

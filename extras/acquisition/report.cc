@@ -132,7 +132,7 @@ std::string report_text(const AcquisitionReport& report) {
   return text;
 }
 
-std::string tool_text(const ToolIdentification& t, const ForceGains& gains) {
+std::string tool_text(const ToolIdentification& t, const ForceGains& gains, bool forces_fit) {
   std::string text;
   text += fmt::format("mass             {:.6g} +- {:.2g} kg\n", t.load.mass_kg, t.mass_sigma_kg);
   text += fmt::format("centre of mass   {:.6g} {:.6g} {:.6g} m (+- {:.2g} {:.2g} {:.2g})\n", t.load.center_S_m.x(),
@@ -146,12 +146,15 @@ std::string tool_text(const ToolIdentification& t, const ForceGains& gains) {
   text += fmt::format("held out         {:.4g} N RMS per component, {:.4g} N as a vector\n",
                       t.held_out.force_component_N, t.held_out.force_vector_N);
   text += fmt::format("torque residual  {:.4g} N m RMS per component\n", t.fit.torque_component_Nm);
-  if (gains.determined) {
+  if (gains.determined && forces_fit) {
     const Vec3 own = gains.gains(std::nullopt), sigma = gains.sigmas();
     text += fmt::format("gains of the axes {:.4g} {:.4g} {:.4g} of the middle one (+- {:.2g} {:.2g} {:.2g})\n", own.x(),
                         own.y(), own.z(), sigma.x(), sigma.y(), sigma.z());
+    return text;
   }
-  return text;
+  const std::string why = forces_fit ? fmt::format("{} poses do not determine them", gains.poses)
+                                     : "no tool fits the forces: correct first what the warning says";
+  return text + fmt::format("gains of the axes cannot tell: {}; {}\n", why, gain_poses);
 }
 
 }  // namespace touchstone::acquisition

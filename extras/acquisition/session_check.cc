@@ -8,9 +8,9 @@
 #include <limits>
 #include <optional>
 
+#include "clustered_fit.h"
 #include "force_gains.h"
 #include "harness/base/least_squares.h"
-#include "harness/stats/clustered_fit.h"
 #include "harness/stats/distributions.h"
 #include "smoothing.h"
 
@@ -161,9 +161,9 @@ double left_by(const Eigen::VectorXd& gap, const std::vector<const Eigen::Matrix
 
 // Three parameters of these clusters from `first` on; those within five standard errors of nothing are nothing. Empty
 // where all are, or the clusters do not tell.
-std::optional<Vec3> clear_vector(const std::vector<stats::NormalEquations>& clusters, Eigen::Index first) {
+std::optional<Vec3> clear_vector(const std::vector<NormalEquations>& clusters, Eigen::Index first) {
   if (clusters.size() < 8) return std::nullopt;
-  const stats::ClusteredFit fit(clusters);
+  const ClusteredFit fit(clusters);
   if (!fit.determined()) return std::nullopt;
   Vec3 clear = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
@@ -177,10 +177,10 @@ std::optional<Vec3> clear_vector(const std::vector<stats::NormalEquations>& clus
 
 // Of the last `own` parameters of these clusters the part that is clear, along the directions in which the rows tell
 // them, all other parameters aside. Nothing where the clusters do not tell.
-Eigen::VectorXd clear_part(const std::vector<stats::NormalEquations>& clusters, Eigen::Index own) {
+Eigen::VectorXd clear_part(const std::vector<NormalEquations>& clusters, Eigen::Index own) {
   Eigen::VectorXd clear = Eigen::VectorXd::Zero(own);
   if (clusters.size() < 8) return clear;
-  const stats::ClusteredFit fit(clusters);
+  const ClusteredFit fit(clusters);
   if (!fit.determined()) return clear;
   const Eigen::Index others = fit.estimate().size() - own;
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(fit.estimate().size(), fit.estimate().size());
@@ -199,7 +199,7 @@ Eigen::VectorXd clear_part(const std::vector<stats::NormalEquations>& clusters, 
 
 // The turn of the sensor's frame that sliding contact shows, by clusters of half a second.
 std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<Vec3>& normals, double sliding_m_per_s) {
-  std::vector<stats::NormalEquations> clusters;
+  std::vector<NormalEquations> clusters;
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
     const Vec3& n = normals[i];
@@ -248,7 +248,7 @@ double steady_pull_N(const ContactSamples& c, const std::vector<Vec3>& normals, 
   constexpr Eigen::Index pulls = 4;
   constexpr double held = 1e-6;
   const Eigen::Index others = besides_scan ? 2 + pulls : 2;
-  std::vector<stats::NormalEquations> clusters;
+  std::vector<NormalEquations> clusters;
   Eigen::Matrix<double, pulls, pulls> square = Eigen::Matrix<double, pulls, pulls>::Zero();
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
@@ -290,7 +290,7 @@ double gain_error_by_sliding_N(const ContactSamples& c, const std::vector<Vec3>&
     m << g[0], g[2], g[3], g[2], g[1], g[4], g[3], g[4], -g[0] - g[1];
     return m;
   };
-  std::vector<stats::NormalEquations> clusters;
+  std::vector<NormalEquations> clusters;
   Mat3 moments = Mat3::Zero();
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
@@ -332,7 +332,7 @@ std::optional<Vec3> lever_error(const ContactSamples& c, const std::vector<Vec3>
   if (std::ranges::all_of(c.torque_W_Nm, [](const Vec3& torque) { return torque.isZero(0.0); })) return std::nullopt;
   constexpr Eigen::Index unknowns = 9;  // of the lever, the torque's bias, and m d
   const auto acceleration = accelerations(c);
-  std::vector<stats::NormalEquations> clusters;
+  std::vector<NormalEquations> clusters;
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
     if (c.t_s[i] > until) {

@@ -18,7 +18,7 @@
 // motion alone, even with a delay of the taps' own beside them.
 // Intervals: a few quarters of a second, in which the hand stops or is thrown back, hold most of what a session says,
 // and near its ends two or three of them nearly all. There the usual covariance is too small and normal quantiles are
-// too narrow; stats::ClusteredFit (Bell and McCaffrey 2002) gives the covariance and Student's degrees of freedom for
+// too narrow; ClusteredFit (Bell and McCaffrey 2002) gives the covariance and Student's degrees of freedom for
 // each time: about ten in the middle of a session, about five at its ends.
 //   They do not contain what contacts leave in the smoothed force beside them: over 200 simulated sessions a shift of
 // -0.04 ms on average, a fifth of the offset's scatter. To find contacts in the unsmoothed force and to leave out all
@@ -28,9 +28,9 @@
 #include <string>
 #include <vector>
 
+#include "clustered_fit.h"
 #include "harness/base/vec.h"
 #include "harness/recording/tool_load.h"
-#include "harness/stats/clustered_fit.h"
 
 namespace touchstone::acquisition {
 using recording::ToolLoad;
@@ -83,11 +83,11 @@ struct ClockAlignment {
     return reference_s + (t_force_s - reference_s - offset_s) / (1.0 + skew);
   }
   // The fit's corrections of a nearby line, and the time that they are about: for uncertainties.
-  stats::ClusteredFit fit;
+  ClusteredFit fit;
   double fitted_about_s = 0.0;
   // Standard uncertainty of the alignment at a time of the motion's clock with its degrees of freedom, and half the
   // width of its 95 % interval.
-  [[nodiscard]] stats::ClusteredFit::Error error_at(double t_motion_s) const;
+  [[nodiscard]] ClusteredFit::Error error_at(double t_motion_s) const;
   [[nodiscard]] double sigma_at(double t_motion_s) const;
   [[nodiscard]] double interval95_at(double t_motion_s) const;
 };

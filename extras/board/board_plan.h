@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "case_engine.h"
 #include "harness/pipeline/board.h"
 #include "harness/pipeline/evaluation/campaign.h"
-#include "harness/runs/case_engine.h"
 
 namespace touchstone::board {
 

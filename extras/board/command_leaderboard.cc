@@ -3,12 +3,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/case_flags.h"
 #include "apps/command.h"
 #include "apps/plugin_flags.h"
 #include "apps/program.h"
 #include "board_plan.h"
 #include "board_sets.h"
+#include "case_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/pipeline/board_json.h"
 #include "harness/pipeline/board_site.h"
@@ -111,7 +111,7 @@ ExitStatus leaderboard_command(LeaderboardOptions options) {
   board.title = "Haptic renderers held against recordings";
   board.options.level = options.level;
   pipeline::rank_board(board, board.tasks.size() > 1);
-  write_board(options, board, apps::stored_rows(*outcome.store, options.cases));
+  write_board(options, board, runs::stored_rows(*outcome.store, options.cases));
   if (!options.bundle.empty()) {
     write_file(options.bundle,
                submission_to_json(plan, board, libraries_of(options.plugins), paths_of(options.sources)));
@@ -246,8 +246,8 @@ void add_leaderboard(CLI::App& program, apps::Run& run) {
       ->check(CLI::Range(1e-4, 0.5))
       ->capture_default_str();
   options->plugins.add_to(*command);
-  apps::add_case_flags(*command, options->cases, "entries");
-  apps::add_case_file_flags(*command, options->cases, "rows.sqlite in the folder of --out");
+  runs::add_case_flags(*command, options->cases, "entries");
+  runs::add_case_file_flags(*command, options->cases, "rows.sqlite in the folder of --out");
   command->footer(
       "A run that stopped goes on where it was. A renderer that crashes or cannot take a data set is a row that says "
       "so.\n"

@@ -112,7 +112,7 @@ nlohmann::json history_json(const std::vector<JudgedSeries>& all) {
       values.push_back({{"commit", point.commit}, {"time", point.time}, {"value", point.value}});
     nlohmann::json changes = nlohmann::json::array();
     for (const auto& change : judged.verdict.report.changes) {
-      changes.push_back({{"kind", change.kind == stats::ChangeKind::step ? "step" : "drift"},
+      changes.push_back({{"kind", change.kind == change_points::ChangeKind::step ? "step" : "drift"},
                          {"index", change.index},
                          {"first", change.first},
                          {"last", change.last},

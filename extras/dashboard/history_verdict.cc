@@ -84,7 +84,7 @@ class Judge {
     return limit_.worse == Worse::any || (after > before) == (limit_.worse == Worse::up);
   }
 
-  [[nodiscard]] const AcceptedChange* acceptance(const stats::Change& change) const {
+  [[nodiscard]] const AcceptedChange* acceptance(const change_points::Change& change) const {
     for (const AcceptedChange& accepted : limit_.accepted) {
       for (std::size_t i = change.first; i <= change.last; ++i) {
         if (!accepted.commit.empty() && points_[i].commit.starts_with(accepted.commit)) return &accepted;
@@ -94,17 +94,17 @@ class Judge {
   }
 
   // The commits that the change may have come with: after the last of the old level, up to the last that fits.
-  [[nodiscard]] std::string range(const stats::Change& change) const {
+  [[nodiscard]] std::string range(const change_points::Change& change) const {
     const std::string& last = points_[change.last].commit;
     return change.first == 0 ? "up to " + last : fmt::format("{}..{}", points_[change.first - 1].commit, last);
   }
 
   void change(std::size_t i) {
-    const stats::Change& change = verdict_.report.changes[i];
+    const change_points::Change& change = verdict_.report.changes[i];
     const double percent = 100.0 * (change.after - change.before) / std::abs(change.before);
     std::string sentence = fmt::format(
-        "{}: {:.6g} -> {:.6g}{} in {}", change.kind == stats::ChangeKind::step ? "step" : "drift", change.before,
-        change.after, std::isfinite(percent) ? fmt::format(" ({:+.3g} %)", percent) : "", range(change));
+        "{}: {:.6g} -> {:.6g}{} in {}", change.kind == change_points::ChangeKind::step ? "step" : "drift",
+        change.before, change.after, std::isfinite(percent) ? fmt::format(" ({:+.3g} %)", percent) : "", range(change));
     const double now = verdict_.report.levels.back().to;
     bool fails = false;
     if (!is_worse(change.before, change.after)) {
@@ -154,7 +154,7 @@ SeriesVerdict judge_series(const HistorySeries& series, const HistoryLimit& limi
   values.reserve(series.points.size());
   for (const auto& point : series.points) values.push_back(point.value);
   SeriesVerdict verdict;
-  verdict.report = stats::find_changes(
+  verdict.report = change_points::find_changes(
       values,
       {.false_alarms_per_year = false_alarms_per_year / static_cast<double>(std::max<std::size_t>(series_together, 1)),
        .smallest_relative = limit.smallest_relative,

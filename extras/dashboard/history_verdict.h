@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/stats/change_points.h"
+#include "change_points/change_points.h"
 #include "history.h"
 
 namespace touchstone::dashboard {
@@ -22,8 +22,8 @@ struct AcceptedChange {
 struct HistoryLimit {
   SeriesKey series{};  // which it is for, as matches() takes it
   Worse worse = Worse::any;
-  double smallest_relative = stats::ChangeOptions{}.smallest_relative;
-  double smallest_absolute = stats::ChangeOptions{}.smallest_absolute;
+  double smallest_relative = change_points::ChangeOptions{}.smallest_relative;
+  double smallest_absolute = change_points::ChangeOptions{}.smallest_absolute;
   std::optional<double> maximum = std::nullopt;
   std::optional<double> minimum = std::nullopt;
   // Of the newest value against the median of those before, as a fraction of that median's size.
@@ -33,8 +33,8 @@ struct HistoryLimit {
 };
 
 struct HistoryLimits {
-  double false_alarms_per_year = stats::ChangeOptions{}.false_alarms_per_year;  // of all series judged together
-  std::vector<HistoryLimit> limits;                                             // the first that matches counts
+  double false_alarms_per_year = change_points::ChangeOptions{}.false_alarms_per_year;  // of all series judged together
+  std::vector<HistoryLimit> limits;                                                     // the first that matches counts
   [[nodiscard]] const HistoryLimit& of(const SeriesKey& key) const;
 };
 
@@ -50,7 +50,7 @@ struct HistoryFinding {
 };
 
 struct SeriesVerdict {
-  stats::ChangeReport report;
+  change_points::ChangeReport report;
   std::vector<HistoryFinding> findings;
   [[nodiscard]] bool failed() const;
 };

@@ -57,7 +57,8 @@ std::string series_text(const JudgedSeries& judged, bool values) {
   for (const auto& finding : judged.verdict.findings)
     text += fmt::format("  {}: {}\n", finding.fails ? finding.change ? "change" : "gate" : "note", finding.sentence);
   std::size_t steps = 0;
-  for (const auto& change : judged.verdict.report.changes) steps += change.kind == stats::ChangeKind::step ? 1 : 0;
+  for (const auto& change : judged.verdict.report.changes)
+    steps += change.kind == change_points::ChangeKind::step ? 1 : 0;
   text += fmt::format("  values: {}; steps: {}; drifts: {}: {}\n", judged.series.points.size(), steps,
                       judged.verdict.report.changes.size() - steps, judged.verdict.failed() ? "FAILED" : "passed");
   return text;

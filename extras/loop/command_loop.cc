@@ -25,7 +25,7 @@ namespace {
 
 struct LoopOptions {
   SetupFlags setup;
-  std::string model, mesh, mesh_unit = "m", path, out, json;
+  std::string model, mesh, mesh_unit = "m", path, recording, out, json;
   std::optional<double> least_margin, most_buzz_N, most_energy_J;
   bool ctest = false;
   apps::MeshFlags meshes;
@@ -82,24 +82,31 @@ ExitStatus loop_command(const LoopOptions& options) {
   const MotionColumns path = recording::load_trajectory(options.path).motion;
   if (const auto message = rendering::fits_another_unit(*surface, path.p_W_m, 0.0, options.path, options.mesh_unit))
     throw BadData(*message);
+  std::optional<recording::Recording> recording;
+  if (!options.recording.empty()) recording = recording::load_recording(options.recording);
   const std::filesystem::path out = options.out;
   refuse_to_replace_input(out / "result.json");
 
   const servo::LoopEvaluation evaluation = evaluate_loop(*renderer, path, setup, {});
+  std::optional<servo::RecordedComparison> recorded;
+  if (recording) recorded = compare_recorded(evaluation, setup, *recording, {});
   report::Provenance provenance = report::make_provenance(apps::command_line());
   provenance.inputs = {report::describe_input("model", options.model), report::describe_input("mesh", options.mesh),
                        report::describe_input("path", options.path),
                        report::describe_input("device", setup.device.file),
                        report::describe_input("grip", setup.grip.file)};
-  const std::string result = to_json(evaluation, setup).dump(2) + "\n";
+  if (recorded) provenance.inputs.push_back(report::describe_input("recording", options.recording));
+  const std::string result = to_json(evaluation, setup, recorded).dump(2) + "\n";
   ensure_writable_folder(out);
   write_file(out / "result.json", result);
-  write_html(out / "report.html", loop_page(evaluation, setup, provenance));
+  write_html(out / "report.html", loop_page(evaluation, setup, recorded, provenance));
   if (!options.json.empty()) write_file(options.json, result);
   fmt::print("{}\n", evaluation.sentence);
   for (const std::string& sentence : setup.assumed) fmt::print("assumed: {}\n", sentence);
+  if (recorded) fmt::print("{}\n", recorded->sentence);
   fmt::print("{}: report.html, result.json\n", options.out);
-  return hold(evaluation, options);
+  const ExitStatus held = hold(evaluation, options);
+  return recorded && !recorded->agrees ? ExitStatus::failed : held;
 }
 
 }  // namespace
@@ -124,6 +131,10 @@ void add_loop(CLI::App& program, apps::Run& run) {
       "--path", options->path,
       "Where the hand means to be over time: CSV or HDF5 with t_s, x_m, y_m, z_m, into the object where "
       "it presses");
+  command->add_option(
+      "--recording", options->recording,
+      "Compare the simulation with a run of the same renderer on the device: live.csv of touchstone hil "
+      "render. Fails if they differ by more than is just noticed");
   command->add_option("--out", options->out, "Folder for report.html and result.json");
   command->add_option("--json", options->json, "Write result.json here too");
   command->add_option("--least-margin", options->least_margin,
@@ -133,7 +144,8 @@ void add_loop(CLI::App& program, apps::Run& run) {
   command->add_flag("--ctest", options->ctest, "Print stable_margin, buzz_N and energy_J for ctest and CDash");
   options->plugins.add_to(*command);
   command->footer(
-      "Exit status 0 whatever the verdict, which is in result.json; 1 if a limit that was asked for does not hold.\n"
+      "Exit status 0 whatever the verdict, which is in result.json; 1 if a limit that was asked for does not hold, or "
+      "the recording differs.\n"
       "Examples:\n"
       "  touchstone loop --device touch --grip light --model m.json --mesh o.obj --path scan.csv --out r\n"
       "  touchstone loop --device omega.3 --grip firm --set mass_kg=0.2 --set latency_s=0.001 --model m.json --mesh "

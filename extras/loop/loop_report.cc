@@ -20,6 +20,7 @@ using servo::LoopEvaluation;
 using servo::LoopSetup;
 using servo::LoopTrace;
 using servo::MassRun;
+using servo::RecordedComparison;
 using servo::Verdict;
 
 namespace {
@@ -227,7 +228,8 @@ Section not_modelled_section() {
   return section;
 }
 
-nlohmann::json to_json(const LoopEvaluation& evaluation, const LoopSetup& setup) {
+nlohmann::json to_json(const LoopEvaluation& evaluation, const LoopSetup& setup,
+                       const std::optional<RecordedComparison>& recorded) {
   nlohmann::json runs = nlohmann::json::array();
   for (const MassRun& run : evaluation.runs) {
     const servo::Judgement& own = run.judgement;
@@ -246,18 +248,34 @@ nlohmann::json to_json(const LoopEvaluation& evaluation, const LoopSetup& setup)
                     {"device_felt_N", report::exact_number(own.device_felt_N)},
                     {"stable_margin", report::exact_number(run.stable_margin)}});
   }
-  return {{"schema", "touchstone-loop/1"},
-          {"verdict", name_of(evaluation.verdict)},
-          {"sentence", evaluation.sentence},
-          {"stable_margin", report::exact_number(evaluation.stable_margin)},
-          {"real_time_factor", report::exact_number(evaluation.real_time_factor)},
-          {"runs", runs},
-          {"device", sheet_json(setup.device)},
-          {"grip", sheet_json(setup.grip)},
-          {"assumed", setup.assumed}};
+  nlohmann::json whole{{"schema", "touchstone-loop/1"},
+                       {"verdict", name_of(evaluation.verdict)},
+                       {"sentence", evaluation.sentence},
+                       {"stable_margin", report::exact_number(evaluation.stable_margin)},
+                       {"real_time_factor", report::exact_number(evaluation.real_time_factor)},
+                       {"runs", runs},
+                       {"device", sheet_json(setup.device)},
+                       {"grip", sheet_json(setup.grip)},
+                       {"assumed", setup.assumed}};
+  if (recorded) {
+    whole["recording"] = {{"agrees", recorded->agrees},
+                          {"sentence", recorded->sentence},
+                          {"device_mass_kg", recorded->device_mass_kg},
+                          {"shift_s", recorded->shift_s},
+                          {"compared_s", recorded->compared_s},
+                          {"motion_m", recorded->motion_m},
+                          {"difference_m", recorded->difference_m},
+                          {"force_N", recorded->force_N},
+                          {"difference_N", recorded->difference_N},
+                          {"difference_jnd", recorded->difference_jnd},
+                          {"recorded", vibration_json(recorded->recorded)},
+                          {"simulated", vibration_json(recorded->simulated)}};
+  }
+  return whole;
 }
 
-report::Page loop_page(const LoopEvaluation& evaluation, const LoopSetup& setup, const report::Provenance& provenance) {
+report::Page loop_page(const LoopEvaluation& evaluation, const LoopSetup& setup,
+                       const std::optional<RecordedComparison>& recorded, const report::Provenance& provenance) {
   const servo::Judgement& worst = evaluation.worst().judgement;
   report::Page page;
   page.title = "Will it buzz?";
@@ -271,6 +289,11 @@ report::Page loop_page(const LoopEvaluation& evaluation, const LoopSetup& setup,
        evaluation.stable_margin >= 2.0 ? Tone::good : Tone::warning}};
   page.sections = {pictures(evaluation), figures_section(evaluation), setup_section(setup), not_modelled_section(),
                    provenance_section(provenance)};
+  if (recorded) {
+    Section section{"Beside the recording", "", {}, false};
+    section.blocks.emplace_back(report::TextBlock{recorded->sentence, recorded->agrees ? Tone::good : Tone::warning});
+    page.sections.insert(page.sections.begin(), section);
+  }
   return page;
 }
 

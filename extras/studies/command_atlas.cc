@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/case_flags.h"
 #include "apps/command.h"
 #include "apps/program.h"
 #include "atlas/atlas_cases.h"
 #include "atlas/atlas_report.h"
+#include "case_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/report/page_html.h"
 #include "harness/report/page_markdown.h"
@@ -28,7 +28,7 @@ void write_report(const std::filesystem::path& out, const std::vector<atlas::Atl
   write_file(out / "bump.svg", atlas::atlas_picture(cases, atlas::Scene::bump));
   write_file(out / "shell.svg", atlas::atlas_picture(cases, atlas::Scene::shell));
   report::Provenance provenance = report::make_provenance(apps::command_line());
-  provenance.inputs.push_back(apps::stored_rows(*outcome.store, options));
+  provenance.inputs.push_back(runs::stored_rows(*outcome.store, options));
   const report::Page page = atlas::atlas_page(cases, provenance);
   write_html(out / "report.html", page);
   write_file(out / "tables.md", tables_to_markdown(page));
@@ -61,7 +61,7 @@ void add_atlas(CLI::App& program, apps::Run& run_it) {
   auto options = std::make_shared<AtlasOptions>();
   auto& grid = options->grid;
   command->add_option("--out", options->out, "Folder for report.html, tables.md, atlas.json, bump.svg and shell.svg");
-  apps::add_case_file_flags(*command, options->cases, "atlas.sqlite in --out; without either, kept nowhere");
+  runs::add_case_file_flags(*command, options->cases, "atlas.sqlite in --out; without either, kept nowhere");
   command->add_option("--renderers", grid.renderers, "Names of the catalogue")->delimiter(',')->capture_default_str();
   command->add_option("--angles", grid.side_angles_rad, "Sides of the bump against its block [rad]")
       ->delimiter(',')
@@ -74,7 +74,7 @@ void add_atlas(CLI::App& program, apps::Run& run_it) {
   command->add_option("--force", grid.force_N, "With which the hand presses [N]")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
-  apps::add_case_flags(*command, options->cases, "cases");
+  runs::add_case_flags(*command, options->cases, "cases");
   command->footer(
       "A run that stopped goes on where it was; a case that cannot be run is a row with its error and stands as ? in "
       "the "

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "apps/case_flags.h"
 #include "blind/blind_cases.h"
 #include "blind/blind_follow.h"
 #include "blind/blind_score.h"
 #include "blind/blind_table.h"
+#include "case_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"
@@ -195,7 +195,7 @@ void add_blind(CLI::App& program, apps::Run& run) {
   runner->add_option("--rows", options->rows.file, "Results (SQLite); a run that stopped goes on in it")
       ->default_str("rows.sqlite in --out, with a shard's name in it");
   runner->add_flag("--any-build", options->rows.any_build, "Go on with rows that another build of touchstone made");
-  apps::add_case_flags(*runner, options->rows, "cases");
+  runs::add_case_flags(*runner, options->rows, "cases");
   runner->footer(
       "A row holds findings.json and next.csv, so that parts from other machines are put together by --merge.\n"
       "Exit status 1: cases are missing, or could not be searched.\n"

@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "apps/case_flags.h"
 #include "apps/extras.h"
+#include "case_flags.h"
 #include "harness/base/json_reader.h"
 #include "renderers/catalogue.h"
 #include "study_commands.h"
@@ -47,7 +47,7 @@ ExitStatus sweep_command(const std::string& specification, const runs::CaseOptio
 void add_sweep(CLI::App& program, apps::Run& run) {
   auto* const command = program.add_subcommand(
       "sweep", "Run many cases: a grid, list or Latin hypercube of surfaces, motions and models");
-  apps::add_design_flags(*command, run, "touchstone-sweep/1 or, of tools with a shape, touchstone-tool-sweep/1",
+  runs::add_design_flags(*command, run, "touchstone-sweep/1 or, of tools with a shape, touchstone-tool-sweep/1",
                          sweep_command);
   command->footer(
       "A case that fails is a row with its error. Exit status 1: cases are missing, or failed.\n"

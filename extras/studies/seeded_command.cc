@@ -9,8 +9,8 @@
 namespace touchstone::studies {
 
 void add_seeded_flags(CLI::App& command, SeededOptions& options, const std::string& name) {
-  apps::add_case_file_flags(command, options.cases, name + ".sqlite in --out; without either, kept nowhere");
-  apps::add_case_flags(command, options.cases, "seeds");
+  runs::add_case_file_flags(command, options.cases, name + ".sqlite in --out; without either, kept nowhere");
+  runs::add_case_flags(command, options.cases, "seeds");
 }
 
 std::string seeded_examples(const std::string& name) {
@@ -38,7 +38,7 @@ SeededRun run_seeded(const experiments::SeededExperiment& experiment, SeededOpti
     fmt::print(stderr, "the report shows the first seed, which could not be run: there is none\n");
     run.seeds.clear();
   }
-  run.rows = apps::stored_rows(*outcome.store, options.cases);
+  run.rows = runs::stored_rows(*outcome.store, options.cases);
   return run;
 }
 

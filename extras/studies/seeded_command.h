@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "apps/case_flags.h"
+#include "case_flags.h"
 #include "experiments/seed_cases.h"
 
 namespace touchstone::studies {

@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/case_flags.h"
 #include "apps/command.h"
 #include "apps/plugin_flags.h"
 #include "apps/program.h"
+#include "case_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/named_values.h"
 #include "harness/plugin/plugin_tool.h"
@@ -32,7 +32,7 @@ void write_report(const std::filesystem::path& out, const std::vector<tool_atlas
   write_file(out / "atlas.json", tool_atlas::tool_atlas_to_json(cases));
   write_file(out / "maps.svg", tool_atlas::tool_atlas_picture(cases));
   report::Provenance provenance = report::make_provenance(apps::command_line());
-  provenance.inputs.push_back(apps::stored_rows(*outcome.store, options.cases));
+  provenance.inputs.push_back(runs::stored_rows(*outcome.store, options.cases));
   for (const std::string& library : options.plugins.libraries)
     provenance.inputs.push_back(report::describe_input("plug-in", library));
   const report::Page page = tool_atlas::tool_atlas_page(cases, provenance);
@@ -78,7 +78,7 @@ void add_atlas(CLI::App& tool_command, apps::Run& run) {
   auto options = std::make_shared<ToolAtlasOptions>();
   auto& grid = options->grid;
   command->add_option("--out", options->out, "Folder for report.html, tables.md, atlas.json and maps.svg");
-  apps::add_case_file_flags(*command, options->cases, "atlas.sqlite in --out; without either, kept nowhere");
+  runs::add_case_file_flags(*command, options->cases, "atlas.sqlite in --out; without either, kept nowhere");
   command->add_option("--renderers", grid.renderers, "Names; all where not given, plug-ins' too")->delimiter(',');
   command->add_option("--contacts", grid.contacts, "Exact cases (`touchstone tool list`), and peg for its clearances")
       ->delimiter(',')
@@ -95,7 +95,7 @@ void add_atlas(CLI::App& tool_command, apps::Run& run) {
   command->add_option("--parameter", options->parameters,
                       "NAME=VALUE of a renderer that has it (`touchstone tool list`); may be given several times");
   options->plugins.add_to(*command);
-  apps::add_case_flags(*command, options->cases, "cases");
+  runs::add_case_flags(*command, options->cases, "cases");
   command->footer(
       "A run that stopped goes on where it was; a case that cannot be run is a row with its error and stands as ? in "
       "the maps.\nExit status 1: cases are missing, or could not be run.\n"

@@ -1,7 +1,7 @@
 #include <filesystem>
 
-#include "apps/case_flags.h"
-#include "harness/runs/case_command.h"
+#include "case_command.h"
+#include "case_flags.h"
 #include "tool_commands.h"
 #include "tool_sweep.h"
 
@@ -24,7 +24,7 @@ ExitStatus tool_sweep_command(const std::string& specification, const runs::Case
 void add_sweep(CLI::App& tool_command, apps::Run& run) {
   auto* const command =
       tool_command.add_subcommand("sweep", "Run many cases: a grid, list or Latin hypercube of contacts and renderers");
-  apps::add_design_flags(*command, run, "touchstone-tool-sweep/1", tool_sweep_command);
+  runs::add_design_flags(*command, run, "touchstone-tool-sweep/1", tool_sweep_command);
   command->footer(
       "A case that fails is a row with its error. Exit status 1: cases are missing, or failed.\n"
       "Examples:\n"

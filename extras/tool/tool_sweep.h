@@ -1,5 +1,5 @@
 // A sweep of renderers of tools with a shape: each case is one contact whose answer is known, rendered by one renderer,
-// and its row holds how far off the renderer is (tool_errors.h). The specification (harness/runs/design.h):
+// and its row holds how far off the renderer is (tool_errors.h). The specification (extras/runs/design.h):
 //   {"schema": "touchstone-tool-sweep/1", "design": "grid",
 //    "contacts": {"corner": {"case": "box-corner"}},
 //    "renderers": {"voxels": {"renderer": "voxmap-pointshell", "parameters": {"voxel_m": 5e-4},
@@ -9,8 +9,8 @@
 // A contact has a "scale" (1) and, if it is a "peg", a "clearance_m".
 #pragma once
 
-#include "harness/runs/case_engine.h"
-#include "harness/runs/design.h"
+#include "case_engine.h"
+#include "design.h"
 
 namespace touchstone::tool {
 

@@ -1,7 +1,10 @@
 #include "harness/renderer_faults/diagnosis.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <exception>
 #include <map>
 #include <utility>
@@ -23,11 +26,15 @@ std::optional<Finding> timing_finding(const Timing& timing, const std::string& n
   if (timing.fault() != name) return std::nullopt;
   const bool change = timing.kind == TimingKind::clipped;
   const bool period = timing.kind == TimingKind::held;
-  return Finding{name, timing.what, kOverOnePlace,
+  return Finding{name,
+                 timing.what,
+                 kOverOnePlace,
                  change   ? timing.per_sample_N
                  : period ? timing.period_samples
                           : timing.lag_samples,
-                 change ? "N" : "samples"};
+                 change ? "N" : "samples",
+                 "",
+                 timing.considered};
 }
 
 Detector timing_detector(const std::string& name, const std::string& summary) {
@@ -144,7 +151,9 @@ class Judge {
         return cause(detector);
       case DetectorKind::settled: {
         auto finding = cause(detector);
-        if (finding) finding->follows_from = origin(detector);
+        if (!finding) return finding;
+        finding->considered = other_maps(detector.name);
+        finding->follows_from = origin(detector, *finding);
         return finding;
       }
       case DetectorKind::moving:
@@ -162,21 +171,44 @@ class Judge {
         return finding;
       }
       finding = std::move(at_rest);
+      if (const std::string fault = timing().fault(); !fault.empty())
+        finding->considered.emplace_back(fault, "it is still there once the tip rests");
     }
-    finding->follows_from = origin(detector);
+    finding->follows_from = origin(detector, *finding);
     return finding;
   }
 
-  // The cause that shows this fault in a right renderer, too, or must show it.
-  std::string origin(const Detector& detector) {
-    if (found_cause("dropout") && !detector.find(asked_again(settled()))) return "dropout";
+  // Of a fault of the force's map: what a map of another kind leaves.
+  std::vector<std::pair<std::string, std::string>> other_maps(const std::string& name) {
+    const bool axes = std::ranges::find(kOfAxes, name) != kOfAxes.end();
+    if (!axes && name != "saturation" && name != "quantised") return {};
+    const ForceFaults& faults = force_faults();
+    std::vector<std::pair<std::string, std::string>> others;
+    const auto add = [&](const char* other, const char* map, double leaves) {
+      if (std::isfinite(leaves)) others.emplace_back(other, fmt::format("{} leaves {:.2g} %", map, 100.0 * leaves));
+    };
+    if (!axes) add("mirrored-axis", "the best order and signs of the axes", faults.axes_leave);
+    if (name != "saturation") add("saturation", "the best limit", faults.limits_leave);
+    if (name != "quantised") add("quantised", "the best step", faults.steps_leave);
+    return others;
+  }
+
+  // The cause that shows this fault in a right renderer, too, or must show it; those that do not are noted as
+  // considered.
+  std::string origin(const Detector& detector, Finding& finding) {
+    const auto rejected = [&](const std::string& name, const char* why) { finding.considered.emplace_back(name, why); };
+    if (found_cause("dropout")) {
+      if (!detector.find(asked_again(settled()))) return "dropout";
+      rejected("dropout", "it is still there when lost samples are asked again");
+    }
     if (detector.name != "one-bad-face" && found_cause("one-bad-face")) {
       for (const double share : {0.31, 0.5, 0.77}) {
         if (!detector.find(counted_from(settled(), share))) return "one-bad-face";
       }
+      rejected("one-bad-face", "it is still there when the triangles are counted from another one");
     }
     if (auto name = listed_cause(detector, consequences()); !name.empty()) return name;
-    if (auto name = map_that_shows(detector); !name.empty()) return name;
+    if (auto name = map_that_shows(detector, finding); !name.empty()) return name;
     return listed_cause(detector, consequences_of_frames());
   }
 
@@ -215,7 +247,7 @@ class Judge {
     return maps;
   }
 
-  std::string map_that_shows(const Detector& detector) {
+  std::string map_that_shows(const Detector& detector, Finding& finding) {
     const auto maps = found_maps();
     // A map is no consequence of itself, nor of another name of the same map.
     if (std::ranges::find(maps, detector.name, &std::pair<std::string, ForceMap>::first) != maps.end()) return "";
@@ -231,7 +263,11 @@ class Judge {
     for (const auto& [name, map] : maps) {
       if (detector.find(with_map(right, map))) return name;
     }
-    return noisy && detector.find(with_noise(right, (*noise)->value)) ? "noise" : "";
+    if (noisy && detector.find(with_noise(right, (*noise)->value))) return "noise";
+    for (const auto& [name, map] : maps)
+      finding.considered.emplace_back(name, "a right renderer with it does not show this");
+    if (noisy) finding.considered.emplace_back("noise", "a right renderer with such noise does not show this");
+    return "";
   }
 
   Engine engine_;

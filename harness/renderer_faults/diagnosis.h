@@ -60,6 +60,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "harness/renderer_faults/engine.h"
@@ -73,6 +74,8 @@ struct Finding {
   double value = 0.0;             // the figure that stands for it
   std::string unit;               // of the value
   std::string follows_from = {};  // the finding that explains it; empty: a cause
+  // What else could have explained it, by name, and why it does not.
+  std::vector<std::pair<std::string, std::string>> considered = {};
 };
 
 // How a fault is looked for, and what it can be.

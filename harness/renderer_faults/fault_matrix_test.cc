@@ -115,6 +115,26 @@ TEST(FaultPairs, ATurnOfTheAxesIsAnExchangeAndAMirror) {
   }
 }
 
+// The other names of time and of the force's map stand beside the one that was found, and leave more.
+TEST(FaultSentences, WhatElseWasConsideredStandsBesideTheName) {
+  const auto considered = [](const Fault& fault, const std::string& other) -> std::string {
+    const Diagnosis found = diagnose(planted(right("god-object"), fault), {fault.caught_by});
+    if (found.findings.size() != 1) return "not found";
+    for (const auto& [name, why] : found.findings.front().considered) {
+      if (name == other) return why;
+    }
+    return "not considered";
+  };
+  EXPECT_THAT(considered(late(3), "held-answer"), ::testing::HasSubstr("0 % of the answers"));
+  EXPECT_THAT(considered(filtered(0.004), "delay"), ::testing::HasSubstr("leaves"));
+  EXPECT_EQ(considered(late(3), "delay"), "not considered") << "the name itself";
+  EXPECT_EQ(considered(alternate_contact(2), "delay"), "not considered") << "the force over one place is not late";
+  // The share that a filter leaves of one that is late is that of any white sequence of depths: nearly all.
+  const std::string filter = considered(late(3), "filter");
+  ASSERT_THAT(filter, ::testing::HasSubstr("first order leaves "));
+  EXPECT_GT(std::stod(filter.substr(filter.find("leaves ") + 7)), 50.0) << filter;
+}
+
 // Which axis, how much, and what to do, in words; an axis whose sign means nothing has its largest part positive.
 TEST(FaultSentences, ASaturationSaysWhereAndWhatToDo) {
   const auto said = [](const Fault& fault) {

@@ -405,6 +405,7 @@ ForceFaults identify_force_map(const Engine& engine) {
   double axes_off = best_law({}, light_N);
   ForceMap axes;
   for (const ForceMap& map : axis_maps()) {
+    faults.axes_leave = std::min(faults.axes_leave, best_law(map, all_N));
     const double now = best_law(map, light_N);
     if (!explains(now, axes_off)) continue;
     axes_off = now;
@@ -415,6 +416,7 @@ ForceFaults identify_force_map(const Engine& engine) {
   double now_off = best_law(axes, all_N);
   for (const ForceMap& map : saturations(readings, law, axes)) {
     const double with = best_law(map, all_N);
+    faults.limits_leave = std::min(faults.limits_leave, with);
     if (!explains(with, now_off)) continue;
     now_off = with;
     faults.map = map;
@@ -428,6 +430,7 @@ ForceFaults identify_force_map(const Engine& engine) {
       stepped.rounding = rounding;
       constexpr double least = 2e-3;
       const double with = best_law(stepped, all_N);
+      faults.steps_leave = std::min(faults.steps_leave, with);
       if (!(without > least && with < 0.3 * without)) continue;
       now_off = without = with;
       faults.map = stepped;

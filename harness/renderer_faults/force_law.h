@@ -56,6 +56,9 @@ struct ForceFaults {
   bool quantised = false;
   double before = 0.0;  // rms of what is off, over the rms of the right force: as if the map were none
   double after = 0.0;   // with the map
+  // What the best map of each kind leaves by itself: other axes, a limit, steps (infinite where the readings have
+  // none).
+  double axes_leave = kNoLimit_N, limits_leave = kNoLimit_N, steps_leave = kNoLimit_N;
 };
 
 // `settle_samples` of the engine must be what its timing needs. Throws what making the renderer throws.

@@ -67,6 +67,13 @@ std::string first_to_fix(const Scorecard& card) {
   return worst == nullptr ? "" : "case " + worst->name;
 }
 
+std::string considered_sentence(const Finding& finding) {
+  std::string text;
+  for (const auto& [name, why] : finding.considered)
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", name, why);
+  return text;
+}
+
 nlohmann::ordered_json pairs_to_json(const std::vector<std::pair<std::string, std::string>>& pairs) {
   auto out = nlohmann::ordered_json::array();
   for (const auto& [name, reason] : pairs) out.push_back({{"name", name}, {"reason", reason}});
@@ -78,9 +85,11 @@ std::string cell_of(const Scorecard& card, const std::string& detector) {
   const Diagnosis& d = card.diagnosis;
   const auto named = [&](const auto& pair) { return pair.first == detector; };
   if (const auto found = std::ranges::find(d.findings, detector, &Finding::name); found != d.findings.end()) {
-    return fmt::format("<td class=\"bad\"><b>{}</b><br>{}<br><small>{}</small></td>",
-                       found->follows_from.empty() ? "found" : "follows from " + found->follows_from,
-                       escape_html(found->what), escape_html(found->smallest_case));
+    return fmt::format(
+        "<td class=\"bad\"><b>{}</b><br>{}<br><small>{}{}</small></td>",
+        found->follows_from.empty() ? "found" : "follows from " + found->follows_from, escape_html(found->what),
+        escape_html(found->smallest_case),
+        found->considered.empty() ? "" : "; considered too: " + escape_html(considered_sentence(*found)));
   }
   if (const auto said = std::ranges::find(d.said, detector, &Finding::name); said != d.said.end())
     return "<td>" + escape_html(said->what) + "</td>";
@@ -181,7 +190,8 @@ std::string scorecard_to_json(const Scorecard& card) {
                                {"smallest_case", finding.smallest_case},
                                {"value", finding.value},
                                {"unit", finding.unit},
-                               {"follows_from", finding.follows_from}});
+                               {"follows_from", finding.follows_from},
+                               {"considered", pairs_to_json(finding.considered)}});
   }
   out["said"] = nlohmann::ordered_json::array();
   for (const Finding& one : card.diagnosis.said) out["said"].push_back({{"name", one.name}, {"what", one.what}});
@@ -280,6 +290,7 @@ std::string scorecard_to_text(const Scorecard& card) {
   for (const Finding& finding : card.diagnosis.findings) {
     if (!finding.follows_from.empty()) continue;
     text += "  " + line(finding);
+    if (!finding.considered.empty()) text += fmt::format("    considered too: {}\n", considered_sentence(finding));
     for (const Finding& other : card.diagnosis.findings) {
       if (other.follows_from == finding.name) text += "    follows from it: " + line(other);
     }

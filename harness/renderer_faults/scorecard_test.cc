@@ -20,7 +20,8 @@ Scorecard a_card() {
   card.engine = "mine";
   card.cases_wanted = true;
   card.summary = "F < k & d";
-  card.diagnosis.findings.push_back({"delay", "one sample late", "a block", 1.0, "samples"});
+  card.diagnosis.findings.push_back(
+      {"delay", "one sample late", "a block", 1.0, "samples", "", {{"filter", "it leaves 40 %"}}});
   card.diagnosis.clean = {"noise"};
   card.diagnosis.declared = {{"standoff", "it rounds"}};
   card.diagnosis.failed = {{"allocation", "no memory"}};
@@ -54,6 +55,9 @@ TEST(Scorecard, TheJsonHasEveryVerdictAndWhatToFixFirst) {
   EXPECT_EQ(json["schema"], "touchstone-scorecard/1");
   EXPECT_EQ(json["fix_first"], "delay");
   EXPECT_EQ(json["findings"][0]["unit"], "samples");
+  EXPECT_EQ(json["findings"][0]["considered"][0]["name"], "filter");
+  EXPECT_THAT(scorecard_to_text(a_card()), HasSubstr("considered too: filter (it leaves 40 %)"));
+  EXPECT_THAT(scorecard_to_html({a_card()}), HasSubstr("considered too: filter (it leaves 40 %)"));
   EXPECT_EQ(json["declared"][0]["reason"], "it rounds");
   EXPECT_EQ(json["could_not_run"][0]["name"], "allocation");
   EXPECT_EQ(json["passed"]["cases"], 3);

@@ -348,6 +348,52 @@ std::optional<Timing> with_large_jumps(const Engine& engine) {
   return find_clipped(change_N, engine.stiffness_N_per_m * deep_m);
 }
 
+// How much each kind that is not this one says of the force; nothing where the force over one place is not late, and
+// what is late shows in a slide alone.
+std::vector<std::pair<std::string, std::string>> other_kinds(const Response& response, const std::string& fault) {
+  const auto& f = response.force_N;
+  const auto& s = response.settled_N;
+  double sum_N = 0.0, squares = 0.0, most_N = 0.0;
+  std::size_t again = 0, at_most = 0;
+  std::array<double, kMemory> late{};
+  for (std::size_t i = kFrom; i < f.size(); ++i) {
+    sum_N += f[i];
+    squares += f[i] * f[i];
+    for (std::size_t lag = 0; lag < kMemory; ++lag) late[lag] += (f[i] - s[i - lag]) * (f[i] - s[i - lag]);
+    most_N = std::max(most_N, std::abs(f[i] - f[i - 1]));
+    again += f[i] == f[i - 1] ? 1 : 0;
+  }
+  for (std::size_t i = kFrom; i < f.size(); ++i) at_most += std::abs(f[i] - f[i - 1]) > (1.0 - 1e-6) * most_N ? 1 : 0;
+  const auto count = static_cast<double>(f.size() - kFrom);
+  const double variance = squares - sum_N * sum_N / count;
+  constexpr double exact = 1e-3;
+  if (!(late[0] > exact * variance)) return {};
+  const auto lag = std::ranges::min_element(late) - late.begin();
+  double filtered = variance;
+  constexpr int tried = 20;
+  for (int k = 1; k < tried; ++k) {
+    const double a = static_cast<double>(k) / tried;
+    double left = 0.0, output_N = f[kFrom - 1];
+    for (std::size_t i = kFrom; i < f.size(); ++i) {
+      output_N = a * output_N + (1.0 - a) * s[i];
+      left += (f[i] - output_N) * (f[i] - output_N);
+    }
+    filtered = std::min(filtered, left);
+  }
+  const auto per_cent = [](double part, double whole) { return std::min(100.0, 100.0 * part / whole); };
+  std::vector<std::pair<std::string, std::string>> all{
+      {"delay", fmt::format("a lag of {} samples leaves {:.3g} % of the force's variance", lag,
+                            per_cent(late[static_cast<std::size_t>(lag)], variance))},
+      {"held-answer", fmt::format("{:.3g} % of the answers are those of the sample before",
+                                  per_cent(static_cast<double>(again), count))},
+      {"filter", fmt::format("a low-pass filter of first order leaves {:.3g} % of the force's variance",
+                             per_cent(filtered, variance))},
+      {"clipped-rate",
+       fmt::format("{:.3g} % of the changes are the largest one", per_cent(static_cast<double>(at_most), count))}};
+  std::erase_if(all, [&](const auto& kind) { return kind.first == fault; });
+  return all;
+}
+
 Timing timing_of(const Engine& engine, const Response& response) {
   if (auto held = find_hold(engine, response)) return *held;
   Timing timing;
@@ -417,6 +463,7 @@ Timing identify_timing(const Engine& engine) {
   if (timing.kind != TimingKind::exact)
     timing.settle_samples = std::max(timing.settle_samples, measured_settling_samples(probed));
   timing.declared = timing.kind == TimingKind::delay && timing.lag_samples <= engine.lag_samples;
+  if (const std::string fault = timing.fault(); !fault.empty()) timing.considered = other_kinds(response, fault);
   return timing;
 }
 

@@ -17,6 +17,8 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "harness/renderer_faults/engine.h"
 
@@ -45,6 +47,8 @@ struct Timing {
   int settle_samples = 0;
 
   bool declared = false;  // the engine's author says it
+  // The other kinds by their faults' names, and how much of the force each explains.
+  std::vector<std::pair<std::string, std::string>> considered = {};
 
   // The name of the fault; empty where there is none or it is declared.
   [[nodiscard]] std::string fault() const;

@@ -135,7 +135,7 @@ DeviceLock::DeviceLock(const std::string& device, const std::string& name, pid_t
     ::close(descriptor_);
     throw DeviceError(DeviceStatus::busy,
                       fmt::format("{}: another run has it{}", device, n > 0 ? fmt::format(" (process {})", who) : ""),
-                      "end that run first: a device takes its forces from one program alone");
+                      "end that run first: a device serves one program alone");
   }
   const auto pid = std::to_string(holder != 0 ? holder : ::getpid());
   if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, pid.data(), pid.size(), 0) < 0) {

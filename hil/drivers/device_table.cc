@@ -8,11 +8,13 @@
 #include "hil/drivers/comedi_daq.h"
 #include "hil/drivers/falcon.h"
 #include "hil/drivers/haply.h"
+#include "hil/drivers/leptrino.h"
 #include "hil/drivers/load_cell.h"
 #include "hil/drivers/natnet.h"
 #include "hil/drivers/ndi.h"
 #include "hil/drivers/netft.h"
 #include "hil/drivers/onrobot.h"
+#include "hil/drivers/qualisys.h"
 #include "hil/drivers/vendor_devices.h"
 #include "hil/drivers/vrpn.h"
 
@@ -56,10 +58,12 @@ constexpr std::array devices{
     &onrobot_device,
     &nano17_device,
     &bota_device,
+    &leptrino_device,
     &load_cell_device,
     &natnet_device,
     &vrpn_device,
     &ndi_device,
+    &qualisys_device,
     &falcon_device,
     &haply_device,
     &force_dimension_omega,

@@ -3,18 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/asio/connect.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/write.hpp>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
 #include "harness/base/atomic_file.h"
 #include "hil/drivers/record_count.h"
 #include "hil/drivers/serial_port.h"
+#include "hil/drivers/tcp_line.h"
 
 namespace touchstone::hil {
 
@@ -108,8 +104,6 @@ std::optional<std::vector<Tool>> parse_tx(std::string_view answer) {
 
 namespace {
 
-namespace asio = boost::asio;
-
 // Bytes to and from the device, by either way.
 class Line {
  public:
@@ -120,16 +114,19 @@ class Line {
   [[nodiscard]] virtual bool emulated() const = 0;
 };
 
+template <class Port>
+std::string text_of(Port& port, double deadline_s) {
+  unsigned char bytes[2048];
+  double t_s = 0.0;
+  const auto n = port.read(bytes, deadline_s, t_s);
+  return {reinterpret_cast<const char*>(bytes), n};
+}
+
 class SerialLine final : public Line {
  public:
   SerialLine(const std::string& node, int baud) : port_("NDI tracker", node, baud) {}
   void write(const std::string& bytes) override { port_.write(bytes); }
-  std::string read(double deadline_s) override {
-    unsigned char bytes[2048];
-    double t_s = 0.0;
-    const auto n = port_.read(bytes, deadline_s, t_s);
-    return {reinterpret_cast<const char*>(bytes), n};
-  }
+  std::string read(double deadline_s) override { return text_of(port_, deadline_s); }
   [[nodiscard]] bool emulated() const override { return port_.emulated(); }
   void send_break() { port_.send_break(); }
 
@@ -140,57 +137,13 @@ class SerialLine final : public Line {
 class NetworkLine final : public Line {
  public:
   NetworkLine(const std::string& place, const std::string& host, int port, double timeout_s)
-      : place_(place), socket_(io_) {
-    boost::system::error_code error;
-    asio::ip::tcp::resolver resolver(io_);
-    const auto found = resolver.resolve(host, std::to_string(port), error);
-    if (error) throw DeviceError(DeviceStatus::absent, fmt::format("{}: {}", place_, error.message()));
-    bool done = false;
-    asio::async_connect(socket_, found, [&](boost::system::error_code e, const auto&) { error = e, done = true; });
-    io_.run_for(std::chrono::microseconds(static_cast<long>(timeout_s * 1e6)));
-    const bool answered = done;  // what is cancelled below is done, too
-    if (!answered || error) {
-      socket_.close();
-      io_.restart();
-      io_.run();
-      throw DeviceError(DeviceStatus::absent,
-                        fmt::format("{}: {}", place_, answered ? error.message() : "no answer in time"));
-    }
-    boost::system::error_code ignored;
-    socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
-    loopback_ = socket_.remote_endpoint(ignored).address().is_loopback();
-  }
-  void write(const std::string& bytes) override {
-    boost::system::error_code error;
-    asio::write(socket_, asio::buffer(bytes), error);
-    if (error) throw DeviceError(DeviceStatus::gone, fmt::format("{}: {}", place_, error.message()));
-  }
-  std::string read(double deadline_s) override {
-    bool done = false;
-    boost::system::error_code error;
-    std::size_t size = 0;
-    socket_.async_read_some(asio::buffer(bytes_),
-                            [&](boost::system::error_code e, std::size_t n) { error = e, size = n, done = true; });
-    io_.restart();
-    io_.run_for(std::chrono::microseconds(static_cast<long>(std::max(0.0, deadline_s - clock_.now_s()) * 1e6) + 1));
-    if (!done) {
-      socket_.cancel();
-      io_.restart();
-      io_.run();
-      if (error == asio::error::operation_aborted) return {};
-    }
-    if (error) throw DeviceError(DeviceStatus::gone, fmt::format("{}: {}", place_, error.message()));
-    return {bytes_, size};
-  }
-  [[nodiscard]] bool emulated() const override { return loopback_; }
+      : line_(place, host, port, timeout_s) {}
+  void write(const std::string& bytes) override { line_.write(bytes); }
+  std::string read(double deadline_s) override { return text_of(line_, deadline_s); }
+  [[nodiscard]] bool emulated() const override { return line_.emulated(); }
 
  private:
-  std::string place_;
-  asio::io_context io_;
-  asio::ip::tcp::socket socket_;
-  MonotonicClock clock_;
-  char bytes_[4096];
-  bool loopback_ = false;
+  TcpLine line_;
 };
 
 constexpr std::size_t rom_piece_bytes = 64;
@@ -411,7 +364,7 @@ class NdiSource final : public PoseSource {
   std::string passive_tool() {
     auto rom = read_file(options_.tool_file);
     rom.resize((rom.size() + rom_piece_bytes - 1) / rom_piece_bytes * rom_piece_bytes, '\0');
-    const auto handle = ask("PHRQ:*********1****").substr(0, 2);
+    auto handle = ask("PHRQ:*********1****").substr(0, 2);
     for (std::size_t at = 0; at < rom.size(); at += rom_piece_bytes) {
       std::string hex;
       for (std::size_t i = 0; i < rom_piece_bytes; ++i)

@@ -38,7 +38,13 @@ std::unique_ptr<WrenchSource> open_force(const MappedDevice& device, double card
     none_of_that_kind(device, "reads forces from",
                       ids_of_devices([](const KnownDevice& d) { return d.open_force != nullptr; }));
   check_entry(known, device);
-  return known.open_force(device, card_rate_Hz);
+  auto source = known.open_force(device, card_rate_Hz);
+  // Another sensor of its kind in its place has other errors, and perhaps another calibration.
+  const std::string& serial = source->identity().serial;
+  if (!device.serial.empty() && !serial.empty() && serial != device.serial)
+    throw DeviceError(DeviceStatus::wrong_serial,
+                      fmt::format("{}: serial {}, the hardware map wants {}", known.id, serial, device.serial));
+  return source;
 }
 
 std::unique_ptr<PoseSource> open_poses(const MappedDevice& device) {

@@ -63,6 +63,11 @@ double StampedArrivals::arrival_s(msghdr& header) noexcept {
 }
 
 bool is_loopback(const sockaddr_storage& address) noexcept {
+  if (address.ss_family == AF_INET6) {
+    sockaddr_in6 v6{};
+    std::memcpy(&v6, &address, sizeof v6);
+    return IN6_IS_ADDR_LOOPBACK(&v6.sin6_addr);
+  }
   if (address.ss_family != AF_INET) return false;
   sockaddr_in v4{};
   std::memcpy(&v4, &address, sizeof v4);

@@ -1,25 +1,16 @@
 #include "hil/drivers/vrpn.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <netdb.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <map>
 
 #include "harness/base/error.h"
 #include "hil/drivers/byte_reader.h"
 #include "hil/drivers/record_count.h"
-#include "hil/drivers/stamped_udp.h"
+#include "hil/drivers/tcp_line.h"
 
 namespace touchstone::hil {
 
@@ -79,56 +70,16 @@ constexpr double largest_room_m = 1000.0;
 // For all trackers of a server to have reported, where the user named none.
 constexpr double look_round_s = 0.5;
 
-int connect_tcp(const std::string& place, const std::string& host, int port, double timeout_s) {
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0 || found == nullptr)
-    throw DeviceError(DeviceStatus::absent, fmt::format("{}: the host is not known", place));
-  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
-  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  int error = 0;
-  if (fd < 0 || (::connect(fd, found->ai_addr, found->ai_addrlen) != 0 && errno != EINPROGRESS)) error = errno;
-  if (error == 0) {
-    pollfd ready{fd, POLLOUT, 0};
-    socklen_t size = sizeof error;
-    if (::poll(&ready, 1, static_cast<int>(timeout_s * 1e3)) <= 0)
-      error = ETIMEDOUT;
-    else
-      ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
-  }
-  if (error != 0) {
-    if (fd >= 0) ::close(fd);
-    throw DeviceError(DeviceStatus::absent, fmt::format("{}: {}", place, std::strerror(error)));
-  }
-  const int on = 1;
-  ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  return fd;
-}
-
 class VrpnSource final : public PoseSource {
  public:
   explicit VrpnSource(const VrpnOptions& options)
       : options_(options),
-        place_(fmt::format("VRPN at {}:{}", options.host, options.port)),
-        fd_(connect_tcp(place_, options.host, options.port, options.timeout_s)) {
-    try {
-      greet();
-      find_tracker();
-    } catch (...) {
-      ::close(fd_);
-      throw;
-    }
-    sockaddr_storage peer{};
-    socklen_t size = sizeof peer;
-    ::getpeername(fd_, reinterpret_cast<sockaddr*>(&peer), &size);
+        line_(fmt::format("VRPN at {}:{}", options.host, options.port), options.host, options.port, options.timeout_s) {
+    greet();
+    find_tracker();
     identity_ = {std::string(vrpn_device.id), fmt::format("{}:{}", tracker_, options_.sensor), "VRPN " + version_, "",
-                 is_loopback(peer)};
+                 line_.emulated()};
   }
-  ~VrpnSource() override { ::close(fd_); }
-  VrpnSource(const VrpnSource&) = delete;
-  VrpnSource& operator=(const VrpnSource&) = delete;
 
   [[nodiscard]] const DeviceIdentity& identity() const override { return identity_; }
   [[nodiscard]] double nominal_rate_Hz() const override { return options_.rate_Hz; }
@@ -149,7 +100,7 @@ class VrpnSource final : public PoseSource {
       std::size_t filled = 0;
       std::size_t at = 0;
       while (filled < out.size()) {
-        const auto message = vrpn::parse(std::span<const unsigned char>(held_).subspan(at), place_);
+        const auto message = vrpn::parse(std::span<const unsigned char>(held_).subspan(at), line_.place());
         if (!message) break;
         at += message->bytes;
         learn(*message);
@@ -164,15 +115,13 @@ class VrpnSource final : public PoseSource {
 
  private:
   void greet() {
-    const auto cookie = vrpn::cookie();
-    if (::send(fd_, cookie.data(), cookie.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(cookie.size()))
-      throw DeviceError(DeviceStatus::failed, fmt::format("{}: takes no greeting: {}", place_, std::strerror(errno)));
+    line_.write(vrpn::cookie());
     const double until = clock_.now_s() + options_.timeout_s;
     while (held_.size() < vrpn::cookie_bytes && fill(until)) {
     }
     if (held_.size() < vrpn::cookie_bytes || !vrpn::cookie_agrees(held_)) {
       throw DeviceError(DeviceStatus::failed,
-                        fmt::format("{}: {}", place_,
+                        fmt::format("{}: {}", line_.place(),
                                     held_.size() < vrpn::cookie_bytes
                                         ? "it accepts the connection and does not greet as a VRPN server does"
                                         : "it is no VRPN server of version 07"));
@@ -222,7 +171,7 @@ class VrpnSource final : public PoseSource {
     }
     throw DeviceError(
         DeviceStatus::failed,
-        fmt::format("{}: {}; it has {}", place_,
+        fmt::format("{}: {}; it has {}", line_.place(),
                     options_.tracker.empty() ? "which tracker is to be recorded is not said"
                                              : "it has no tracker \"" + options_.tracker + "\"",
                     names.empty() ? "none" : names),
@@ -269,35 +218,23 @@ class VrpnSource final : public PoseSource {
   template <class Visit>
   void each(Visit visit) {
     std::size_t at = 0;
-    while (const auto message = vrpn::parse(std::span<const unsigned char>(held_).subspan(at), place_)) {
+    while (const auto message = vrpn::parse(std::span<const unsigned char>(held_).subspan(at), line_.place())) {
       at += message->bytes;
       visit(*message);
     }
     held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(at));
   }
 
-  // What comes until the deadline; false where nothing did. Throws where the server closed.
+  // What comes until the deadline; false where nothing did.
   bool fill(double deadline_s) {
-    for (;;) {
-      unsigned char bytes[65536];
-      const auto n = ::recv(fd_, bytes, sizeof bytes, MSG_DONTWAIT);
-      if (n > 0) {
-        arrived_s_ = clock_.now_s();
-        held_.insert(held_.end(), bytes, bytes + n);
-        return true;
-      }
-      if (n == 0 || (errno != EAGAIN && errno != EINTR))
-        throw DeviceError(DeviceStatus::gone, fmt::format("{}: the server closed the connection", place_));
-      const double left = deadline_s - clock_.now_s();
-      if (left <= 0.0) return false;
-      pollfd ready{fd_, POLLIN, 0};
-      ::poll(&ready, 1, static_cast<int>(std::ceil(std::min(left, 3600.0) * 1e3)));
-    }
+    unsigned char bytes[65536];
+    const std::size_t n = line_.read(bytes, deadline_s, arrived_s_);
+    held_.insert(held_.end(), bytes, bytes + n);
+    return n > 0;
   }
 
   VrpnOptions options_;
-  std::string place_;
-  int fd_;
+  TcpLine line_;
   MonotonicClock clock_;
   std::string version_, tracker_;
   std::map<std::int32_t, std::string> senders_, types_;

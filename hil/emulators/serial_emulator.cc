@@ -6,6 +6,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -55,7 +57,8 @@ int baud_of(int line) {
 
 class Bota {
  public:
-  Bota(BotaFaults faults, std::function<Wrench(double)> wrench) : faults_(faults), wrench_(std::move(wrench)) {}
+  Bota(BotaFaults faults, std::function<Wrench(double)> wrench)
+      : faults_(std::move(faults)), wrench_(std::move(wrench)) {}
 
   std::string operator()(const std::string& came, double t_s) {
     std::string said;
@@ -112,6 +115,93 @@ class Bota {
   std::uint64_t count_ = 0;
 };
 
+class Leptrino {
+ public:
+  Leptrino(LeptrinoFaults faults, std::function<Wrench(double)> wrench)
+      : faults_(std::move(faults)), wrench_(std::move(wrench)), running_(faults_.was_sending) {}
+
+  std::string operator()(const std::string& came, double t_s) {
+    std::string said;
+    heard_ += came;
+    // A command is header, four bytes of which none is a DLE, trailer and check.
+    constexpr std::size_t command_size = 9;
+    for (; heard_.size() >= command_size; heard_.erase(0, command_size)) said += answer(heard_, t_s);
+    while (running_ && static_cast<double>(count_ + 1) / faults_.sends_Hz <= t_s - began_s_) said += sample();
+    return said;
+  }
+
+ private:
+  // Section 2.3 of the specification: transparency, then the check over all but the inserted bytes.
+  static std::string framed(const std::string& data) {
+    std::string text("\x10\x02", 2);
+    char check = 0;
+    for (const char c : data) {
+      text += c == '\x10' ? std::string("\x10\x10") : std::string(1, c);
+      check = static_cast<char>(check ^ c);
+    }
+    return text + "\x10\x03" + static_cast<char>(check ^ '\x03');
+  }
+  static std::string response(char type, char result, const std::string& data = "") {
+    return framed(std::string{static_cast<char>(4 + data.size()), '\xff', type, result} + data);
+  }
+
+  std::string answer(const std::string& command, double t_s) {
+    const bool whole = command.substr(0, 9) == framed(command.substr(2, 4)) && command[2] == 4 && command[5] == 0;
+    if (!whole || faults_.damaged_commands > 0) return --faults_.damaged_commands, "\x10\x15";
+    if (faults_.endless) return faults_.endless = false, std::string("\x10\x02", 2) + std::string(3000, 'x');
+    const char type = command[4];
+    switch (type) {
+      case '\x2a':
+        return response(type, 0,
+                        std::string("PFS055YA251U6   2606008 ") + (faults_.rate.empty() ? "1013" : "4009") +
+                            (faults_.rate.empty() ? "" : fmt::format("{:<6}", faults_.rate)));
+      case '\x2b': {
+        std::string rated;
+        for (const float value : {1.0F, 1.0F, 2.0F, 0.02F, 0.02F, 0.03F})
+          put_field(rated, faults_.rated_force_N * value);
+        return response(type, 0, rated);
+      }
+      case '\x32':
+        running_ = faults_.start_result == 0, began_s_ = t_s, count_ = 0;
+        return response(type, static_cast<char>(faults_.start_result));
+      case '\x33':
+        running_ = false;
+        return response(type, 0);
+      default:
+        return response(type, 2);
+    }
+  }
+
+  std::string sample() {
+    ++count_;
+    const auto due = [&](std::uint32_t every) { return every != 0 && count_ % every == 0; };
+    if (due(faults_.drop_every)) return {};
+    const Wrench w = wrench_(static_cast<double>(count_) / faults_.sends_Hz);
+    const double rated_N = faults_.rated_force_N;
+    std::string data;
+    const auto put = [&](double value, double rated) {
+      put_field(data, static_cast<std::int16_t>(std::clamp(std::round(1e4 * value / rated), -32000.0, 32000.0)));
+    };
+    for (int k = 0; k < 3; ++k) put(w.f_N[k], k == 2 ? 2.0 * rated_N : rated_N);
+    for (int k = 0; k < 3; ++k) put(w.torque_Nm[k], (k == 2 ? 0.03F : 0.02F) * faults_.rated_force_N);
+    put_field(data, std::uint16_t{0xabcd});  // undefined, as are the status' other bits and the last byte
+    data += static_cast<char>(0xa8 | (due(faults_.status_every) ? faults_.status : 0));
+    data += '\x5c';
+    std::string text = response('\x32', 0, data);
+    if (faults_.overflow_at != 0 && count_ == faults_.overflow_at) return text.substr(0, text.size() / 2);
+    if (faults_.overflow_at != 0 && count_ > faults_.overflow_at && count_ <= faults_.overflow_at + 600) return {};
+    if (due(faults_.damage_every)) text[text.size() - 4] = static_cast<char>(text[text.size() - 4] ^ 0x20);
+    return text;
+  }
+
+  LeptrinoFaults faults_;
+  std::function<Wrench(double)> wrench_;
+  std::string heard_;
+  bool running_;
+  double began_s_ = 0.0;
+  std::uint64_t count_ = 0;
+};
+
 // What setup() of bogde/HX711's HX711_full_example.ino (commit be5e3d25) prints, with raw counts before the scale is
 // set.
 constexpr char hx711_setup[] =
@@ -158,11 +248,16 @@ void SerialEmulator::unplug() {
 }
 
 SerialEmulator::Device bota_sensor(BotaFaults faults, std::function<Wrench(double)> wrench) {
-  const auto sensor = std::make_shared<Bota>(faults, std::move(wrench));
+  const auto sensor = std::make_shared<Bota>(std::move(faults), std::move(wrench));
   return [sensor](const std::string& came, double t_s, int) { return (*sensor)(came, t_s); };
 }
 
-SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, std::function<double(double)> units) {
+SerialEmulator::Device leptrino_sensor(LeptrinoFaults faults, std::function<Wrench(double)> wrench) {
+  const auto sensor = std::make_shared<Leptrino>(std::move(faults), std::move(wrench));
+  return [sensor](const std::string& came, double t_s, int) { return (*sensor)(came, t_s); };
+}
+
+SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, const std::function<double(double)>& units) {
   const auto count = std::make_shared<std::uint64_t>(0);
   return [=](const std::string&, double t_s, int) {
     constexpr double starts_s = 0.5;

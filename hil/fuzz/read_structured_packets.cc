@@ -12,9 +12,11 @@
 #include "harness/testing/choices.h"
 #include "hil/devices/interfaces.h"
 #include "hil/drivers/bota.h"
+#include "hil/drivers/leptrino.h"
 #include "hil/drivers/natnet.h"
 #include "hil/drivers/ndi.h"
 #include "hil/drivers/netft.h"
+#include "hil/drivers/qualisys.h"
 #include "hil/drivers/vrpn.h"
 #include "hil/emulators/natnet_emulator.h"
 #include "hil/emulators/netft_answers.h"
@@ -80,6 +82,54 @@ bool reads_bota(std::string frame) {
   return true;
 }
 
+// Packet by packet, as the driver reads a stream.
+bool reads_qualisys(const std::string& stream) {
+  std::span<const unsigned char> rest = bytes_of(stream);
+  bool whole = false;
+  while (const auto packet = qtm::parse(rest, "fuzz")) {
+    if (packet->bytes > rest.size() || packet->content.size() > packet->bytes) std::abort();
+    rest = rest.subspan(packet->bytes);
+    if (const auto names = qtm::parse_names(packet->text()); names && !names->empty()) whole = true;
+    qtm::Frame frame;
+    if (!qtm::parse_frame(packet->content, frame)) continue;
+    whole = true;
+    for (const qtm::Body& body : frame.bodies) {
+      if (!body.p_W_m.allFinite() || !body.q_WB.coeffs().allFinite()) std::abort();
+    }
+  }
+  return whole;
+}
+
+// A frame of one body at the origin, turned by nothing, by qualisys.h's layout.
+std::string qualisys_frame() {
+  std::string bytes;
+  const auto put = [&](const auto value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);  // this machine is little-endian
+  };
+  for (const std::uint32_t field : {92U, 3U, 1000U, 0U, 7U, 1U, 68U, 11U, 1U, 0U}) put(field);
+  for (const float value : {0.0F, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.25F}) put(value);
+  return bytes;
+}
+
+// Piece by piece, as the driver reads a stream.
+bool reads_leptrino(const std::string& stream) {
+  std::span<const unsigned char> rest = bytes_of(stream);
+  std::size_t samples = 0;
+  for (auto next = leptrino::next_piece(rest); next.piece != leptrino::Piece::incomplete;
+       next = leptrino::next_piece(rest)) {
+    if (next.used == 0 || next.used > rest.size() || next.content.size() > leptrino::longest_content) std::abort();
+    rest = rest.subspan(next.used);
+    samples += leptrino::parse_sample(next.content) ? 1 : 0;
+    (void)leptrino::parse_product(next.content);
+    if (const auto rated = leptrino::parse_rated_values(next.content)) {
+      for (const double value : *rated) {
+        if (!(value > 0.0)) std::abort();
+      }
+    }
+  }
+  return samples > 0;
+}
+
 bool reads_netft(const std::string& xml) {
   const NetFtConfiguration configuration = parse_netft_configuration(xml, "fuzz");
   if (!(configuration.newtons_per_count > 0.0) || !std::isfinite(configuration.newtons_per_count)) std::abort();
@@ -98,6 +148,10 @@ std::string bota_frame() {
   return frame;
 }
 
+// A sample by leptrino.h's layout: 0x1010 along x, whose bytes are doubled, and 0x5f as the check.
+constexpr char leptrino_sample[] =
+    "\x10\x02\x14\xff\x32\x00\x10\x10\x10\x10\xff\xff\x00\x80\x01\x00\x02\x00\x03\x00\x00\x00\x05\x00\x10\x03\x5f";
+
 struct Reader {
   std::string valid;
   std::function<bool(const std::string&)> reads;
@@ -111,6 +165,10 @@ const std::vector<Reader>& readers() {
       {"0201+09659+00000+02588+00000-012345+000100-150000+00750000000310000ABCD\n02MISSING000000310000ABCD\n0000",
        reads_ndi},
       {bota_frame(), reads_bota},
+      {std::string(leptrino_sample, sizeof leptrino_sample - 1), reads_leptrino},
+      {qualisys_frame(), reads_qualisys},
+      {qtm::command("<QTM_Parameters_Ver_1.8><The_6D><Body><Name>Pen</Name></Body></The_6D></QTM_Parameters_Ver_1.8>"),
+       reads_qualisys},
       {std::string(netft_gamma_answer), reads_netft},
       {std::string(netft_axia_answer), reads_netft},
   };

@@ -269,7 +269,8 @@ TEST(DeviceLock, TheSameSensorHasOneLockWhateverTheMapSaysOfIt) {
   second_server.port = 1512;
   EXPECT_NE(lock_name(first_server), lock_name(second_server));
   // A port that is left out is the device's usual one.
-  for (const auto& [id, port] : {std::pair("ndi-polaris", 8765), {"optitrack", 1510}, {"vrpn", 3883}}) {
+  for (const auto& [id, port] :
+       {std::pair("ndi-polaris", 8765), {"optitrack", 1510}, {"qualisys", 22223}, {"vrpn", 3883}}) {
     MappedDevice said = bare;
     said.id = id;
     const auto left_out = lock_name(said);

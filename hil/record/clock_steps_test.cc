@@ -18,12 +18,14 @@
 #include "hil/drivers/comedi_daq.h"
 #include "hil/drivers/falcon.h"
 #include "hil/drivers/haply.h"
+#include "hil/drivers/leptrino.h"
 #include "hil/drivers/load_cell.h"
 #include "hil/drivers/natnet.h"
 #include "hil/drivers/ndi.h"
 #include "hil/drivers/netft.h"
 #include "hil/drivers/onrobot.h"
 #include "hil/drivers/plugin_device.h"
+#include "hil/drivers/qualisys.h"
 #include "hil/drivers/vendor_devices.h"
 #include "hil/drivers/vrpn.h"
 #include "hil/emulators/ati_calibration_for_test.h"
@@ -32,6 +34,7 @@
 #include "hil/emulators/ndi_emulator.h"
 #include "hil/emulators/netft_emulator.h"
 #include "hil/emulators/onrobot_emulator.h"
+#include "hil/emulators/qualisys_emulator.h"
 #include "hil/emulators/serial_emulator.h"
 #include "hil/emulators/stepped_clock.h"
 #include "hil/emulators/usb_emulator.h"
@@ -137,6 +140,13 @@ class ClockSteps : public ::testing::Test {
     options.node = line->node();
     return {"bota", line, stream_of(open_bota(options))};
   }
+  static Rig leptrino() {
+    LeptrinoFaults slow;  // 4 kB, which the line holds, are more than the longest wait
+    slow.rate = "150";
+    slow.sends_Hz = 150.0;
+    auto line = emulator<SerialEmulator>(leptrino_sensor(slow, force_is_time));
+    return {"leptrino", line, stream_of(open_leptrino({line->node()}))};
+  }
   static Rig load_cell() {
     constexpr double ms_per_s = 1e3;
     auto line = emulator<SerialEmulator>(load_cell_sketch(true, 80.0, [](double t) { return ms_per_s * t; }));
@@ -159,6 +169,10 @@ class ClockSteps : public ::testing::Test {
     auto options = vrpn_options("127.0.0.1", "Tracker0:0");
     options.port = server->port();
     return {"vrpn", server, stream_of(open_vrpn(options)), m_per_s};
+  }
+  static Rig qualisys() {
+    auto server = emulator<QualisysEmulator>(240.0, QualisysFaults{}, place_is_time);
+    return {"qualisys", server, stream_of(open_qualisys({"127.0.0.1", server->port(), "Stylus"})), m_per_s};
   }
   static Rig ndi() {
     auto tracker = emulator<NdiEmulator>(60.0, NdiFaults{}, place_is_time);
@@ -286,7 +300,7 @@ TEST_F(ClockSteps, OfThisComputerLeaveEveryAxisAsItWas) {
     const auto make_all = [&] {
       std::vector<Rig> all;
       all.push_back(natnet());
-      for (const auto& make : {netft, onrobot, bota, load_cell, ndi, haply}) all.push_back(make());
+      for (const auto& make : {netft, onrobot, bota, leptrino, load_cell, qualisys, ndi, haply}) all.push_back(make());
       all.push_back(vrpn());
       all.push_back(comedi(folder_.string() + ".cal"));
       all.push_back(vendors("force-dimension", open_force_dimension));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -41,6 +42,7 @@ MultiReport record_devices(const std::vector<std::string>& ids, const HardwareMa
   std::vector<std::unique_ptr<DeviceLock>> locks;
   std::vector<NamedStream> streams;
   for (const auto& id : ids) {
+    if (std::count(ids.begin(), ids.end(), id) > 1) throw UsageError(fmt::format("{}: is named more than once", id));
     const MappedDevice& mapped = usable_device(id, map);
     const KnownDevice* const known = find_known_device(mapped.id);
     const bool handle = known != nullptr && known->open_handle != nullptr;

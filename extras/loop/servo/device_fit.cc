@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -84,32 +85,92 @@ Scales scales_of(const Line& line) {
   return {line.force_N / speed, line.force_N, line.period_s, line.moved_m, speed};
 }
 
-// What the unknowns predict less what was recorded.
-Eigen::VectorXd residuals(const Line& line, const Scales& scales, const Unknowns& u) {
+AxisParameters device_of(const Scales& scales, const Unknowns& u) {
   AxisParameters own;
   own.mass_kg = std::exp(u[kLogMass]);
   own.damping_N_s_per_m = u[kViscous] * scales.damping_N_s_per_m;
   own.friction_N = u[kDry] * scales.friction_N;
+  return own;
+}
+
+// The motion that the recording's forces give a device: `sample` is called at each sample, before a new force acts, and
+// `acting` as soon as a force acts, with the index and the share of the period for which it does.
+template <class Sample, class Acting>
+void move(const Line& line, const Scales& scales, const Unknowns& u, const Sample& sample, const Acting& acting) {
   const auto late = static_cast<std::int64_t>(
       std::llround(u[kLate] * scales.latency_s / line.period_s * static_cast<double>(kPeriodQuanta)));
   const std::int64_t part = late % kPeriodQuanta;
-  const AxisTransitions transitions(own, line.period_s, {part, kPeriodQuanta - part});
+  const AxisTransitions transitions(device_of(scales, u), line.period_s, {part, kPeriodQuanta - part});
   AxisMotion axis(transitions);
   axis.start_at(u[kStart] * scales.start_m, u[kSpeed] * scales.speed_m_per_s);
   const std::int64_t whole = late / kPeriodQuanta;
   const auto commanded = [&](std::int64_t k) {
     return line.f_N[static_cast<std::size_t>(std::max<std::int64_t>(k, 0))];
   };
-  Eigen::VectorXd out(static_cast<Eigen::Index>(line.x_m.size()));
   for (std::size_t k = 0; k < line.x_m.size(); ++k) {
-    out[static_cast<Eigen::Index>(k)] = axis.deviation_m() - line.x_m[k];
+    sample(k, axis);
     const std::int64_t now = static_cast<std::int64_t>(k) - whole;
-    axis.command(commanded(now - 1));
-    axis.advance(part);
+    const double share = static_cast<double>(part) / static_cast<double>(kPeriodQuanta);
+    if (part > 0) {
+      axis.command(commanded(now - 1));
+      acting(k, axis, share);
+      axis.advance(part);
+    }
     axis.command(commanded(now));
+    acting(k, axis, 1.0 - share);
     axis.advance(kPeriodQuanta - part);
   }
+}
+
+// What the unknowns predict less what was recorded.
+Eigen::VectorXd residuals(const Line& line, const Scales& scales, const Unknowns& u) {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(line.x_m.size()));
+  move(
+      line, scales, u,
+      [&](std::size_t k, const AxisMotion& axis) {
+        out[static_cast<Eigen::Index>(k)] = axis.deviation_m() - line.x_m[k];
+      },
+      [](std::size_t, const AxisMotion&, double) {});
   return out;
+}
+
+// Mean squares of inertia, viscous friction, dry friction and latency, in N^2: the four parts of the commanded force.
+std::array<double, 4> parts_of(const Line& line, const Scales& scales, const Unknowns& u) {
+  const AxisParameters own = device_of(scales, u);
+  std::array<double, 4> sums{};
+  move(
+      line, scales, u, [](std::size_t, const AxisMotion&) {},
+      [&](std::size_t k, const AxisMotion& axis, double share) {
+        const double inertia_N = own.mass_kg * axis.acceleration_m_per_s2();
+        const double viscous_N = own.damping_N_s_per_m * axis.velocity_m_per_s();
+        const double dry_N = axis.actuator_N() - inertia_N - viscous_N;
+        const std::array parts_N{inertia_N, viscous_N, dry_N, line.f_N[k] - axis.actuator_N()};
+        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += share * parts_N[i] * parts_N[i];
+      });
+  return sums;
+}
+
+// The encoder's step along the axis of the object's frame that moves most: the smallest change, if all others are
+// multiples of it.
+double resolution_of(const recording::Recording& recording) {
+  constexpr double kOfAStep = 0.02;
+  const auto& p = recording.motion.p_W_m;
+  Box3 box;
+  for (const Vec3& at : p) box.extend(at);
+  int axis = 0;
+  box.sizes().maxCoeff(&axis);
+  std::vector<double> changes_m;
+  for (std::size_t i = 1; i < p.size(); ++i) {
+    const double change_m = std::abs(p[i][axis] - p[i - 1][axis]);
+    if (change_m > 0.0) changes_m.push_back(change_m);
+  }
+  if (changes_m.empty()) return 0.0;
+  const double step_m = *std::ranges::min_element(changes_m);
+  const bool all = std::ranges::all_of(changes_m, [&](double change_m) {
+    const double steps = change_m / step_m;
+    return std::abs(steps - std::round(steps)) < kOfAStep;
+  });
+  return all ? step_m : 0.0;
 }
 
 Unknowns within_bounds(Unknowns u) {
@@ -193,6 +254,22 @@ Unknowns fit(const Line& line, const Scales& scales) {
   return best.second;
 }
 
+void explain(DeviceFit& out, const recording::Recording& recording, const std::array<double, 4>& parts) {
+  constexpr double kSomethingElse = 0.1;
+  out.resolution_m = resolution_of(recording);
+  const double steps_m2 = std::pow(out.resolution_m, 2) / 12.0;
+  out.unexplained = std::sqrt(std::max(0.0, std::pow(out.residual_m, 2) - steps_m2)) / out.moved_m;
+  const std::array figures{&out.mass_kg, &out.damping_N_s_per_m, &out.friction_N, &out.latency_s};
+  const std::array<std::string_view, 4> names{"inertia", "viscous friction", "dry friction", "latency"};
+  const double whole = std::reduce(parts.begin(), parts.end());
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    if (out.unexplained > kSomethingElse) figures[i]->determined = false;
+    DeviceEffect effect{names[i], Named::cannot_tell, whole > 0.0 ? parts[i] / whole : 0.0};
+    if (figures[i]->determined) effect.named = figures[i]->negligible ? Named::negligible : Named::present;
+    out.effects.push_back(effect);
+  }
+}
+
 }  // namespace
 
 DeviceFit fit_device(const recording::Recording& recording) {
@@ -215,22 +292,24 @@ DeviceFit fit_device(const recording::Recording& recording) {
   out.residual_m = std::sqrt(left.squaredNorm() / samples);
   out.moved_m = line.moved_m;
   out.samples = line.x_m.size();
-  // A figure of zero is known if its interval is within a hundredth of the scale: of the force, of its speed, a period.
   constexpr double kNegligible = 0.01;
   const auto figure = [&](int i, double scale) {
     FittedFigure own;
     own.value = u[i] * scale;
     own.error95 = kNormal95 * std::sqrt(std::max(0.0, variance * inverse(i, i))) * scale;
-    own.determined = own.error95 < own.value || own.error95 < kNegligible * scale;
+    own.negligible = own.value + own.error95 < kNegligible * scale;
+    own.determined = own.negligible || own.error95 < own.value;
     return own;
   };
   out.mass_kg = figure(kLogMass, 1.0);
   out.mass_kg.value = std::exp(u[kLogMass]);
   out.mass_kg.error95 *= out.mass_kg.value;
+  out.mass_kg.negligible = false;
   out.mass_kg.determined = out.mass_kg.error95 < 0.5 * out.mass_kg.value;
   out.damping_N_s_per_m = figure(kViscous, scales.damping_N_s_per_m);
   out.friction_N = figure(kDry, scales.friction_N);
   out.latency_s = figure(kLate, scales.latency_s);
+  explain(out, recording, parts_of(line, scales, u));
   return out;
 }
 

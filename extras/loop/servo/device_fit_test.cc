@@ -4,7 +4,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <tuple>
+#include <vector>
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
@@ -101,7 +105,119 @@ TEST(DeviceFit, OfAReleaseTheErrorsSayWhatIsNotKnown) {
     EXPECT_NEAR(error(fit.mass_kg, own.axis.mass_kg), 0.0, 0.02);
     EXPECT_NEAR(fit.damping_N_s_per_m.value, own.axis.damping_N_s_per_m, 2.0 * fit.damping_N_s_per_m.error95);
     EXPECT_NEAR(fit.latency_s.value, own.latency_s, 2.0 * fit.latency_s.error95);
+    if (!fit.latency_s.determined) {
+      EXPECT_EQ(fit.effects.back().named, Named::cannot_tell);
+    }
   }
+}
+
+// A device under a servo, by small steps (the classical Runge-Kutta method of fourth order, 100 a period) with dry
+// friction that holds it at rest: nothing of the exact transitions that the fit uses.
+struct SmallSteps {
+  double mass_kg, damping_N_s_per_m, friction_N, latency_periods;
+  // What a hand does besides, where there is one: its spring to a place that swings.
+  double hand_N_per_m = 0.0;
+
+  [[nodiscard]] double acceleration(double f, double x, double v, double t) const {
+    const double pull = f - damping_N_s_per_m * v - hand_N_per_m * (x - 0.01 * std::sin(7.0 * t));
+    if (v == 0.0) return std::abs(pull) <= friction_N ? 0.0 : (pull - std::copysign(friction_N, pull)) / mass_kg;
+    return (pull - std::copysign(friction_N, v)) / mass_kg;
+  }
+  [[nodiscard]] std::pair<double, double> runge_kutta(double h, double f, double x, double v, double t) const {
+    const double a1 = acceleration(f, x, v, t), v2 = v + 0.5 * h * a1;
+    const double a2 = acceleration(f, x + 0.5 * h * v, v2, t), v3 = v + 0.5 * h * a2;
+    const double a3 = acceleration(f, x + 0.5 * h * v2, v3, t), v4 = v + h * a3;
+    const double a4 = acceleration(f, x + h * v3, v4, t);
+    return {x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)};
+  }
+
+  struct Shown {
+    recording::Recording recording;
+    std::array<double, 4> parts_N2{};  // inertia, viscous, dry, latency: sums of squares
+  };
+  [[nodiscard]] Shown run(double period_s, double force_N, double resolution_m) const {
+    constexpr int kSteps = 100;
+    const double step_s = period_s / kSteps;
+    const auto late_steps = std::llround(latency_periods * kSteps);
+    Random random(11);
+    std::vector<double> commanded_N;
+    double x = 0.0, v = 0.0, sign = 1.0;
+    Shown out;
+    out.recording.source = "small steps";
+    const auto acting = [&](std::int64_t step) {
+      return commanded_N[static_cast<std::size_t>(std::max<std::int64_t>(step - late_steps, 0) / kSteps)];
+    };
+    for (std::int64_t k = 0; k < 1500; ++k) {
+      const double measured = resolution_m * std::round(x / resolution_m);
+      if (k % 5 == 0) sign = random.uniform() < 0.5 ? -1.0 : 1.0;
+      commanded_N.push_back(sign * force_N - force_N * measured);  // and a soft spring that keeps it near
+      out.recording.motion.t_s.push_back(static_cast<double>(k) * period_s);
+      out.recording.motion.p_W_m.emplace_back(0.02, measured, -0.01);
+      out.recording.f_W_N.emplace_back(0.0, commanded_N.back(), 0.0);
+      for (int i = 0; i < kSteps; ++i) {
+        const double t = (static_cast<double>(k) + static_cast<double>(i) / kSteps) * period_s;
+        const double f = acting(k * kSteps + i);
+        const double a = acceleration(f, x, v, t), viscous = damping_N_s_per_m * v;
+        const std::array parts{mass_kg * a, viscous, f - mass_kg * a - viscous, commanded_N.back() - f};
+        for (std::size_t n = 0; n < parts.size(); ++n) out.parts_N2[n] += parts[n] * parts[n];
+        for (double left_s = step_s; left_s > 1e-3 * step_s;) {
+          auto [there, next] = runge_kutta(left_s, f, x, v, t);
+          double taken_s = left_s;
+          if (friction_N > 0.0 && next * v < 0.0) {  // it turns: up to there, to first order in the speed
+            taken_s *= v / (v - next);
+            there = runge_kutta(taken_s, f, x, v, t).first;
+            next = 0.0;
+          }
+          x = there;
+          v = next;
+          left_s -= taken_s;
+        }
+      }
+    }
+    return out;
+  }
+};
+
+// Each subset of viscous friction, dry friction and latency, planted in devices of three sizes: what is there is named,
+// with its share of the force, and what is not is negligible.
+TEST(DeviceFit, NamesWhatBecomesOfTheForceAndWhatDoesNot) {
+  for (const auto& [mass_kg, period_s, force_N] :
+       {std::tuple{0.05, 1e-3, 2.0}, std::tuple{0.4, 5e-4, 12.0}, std::tuple{1.5, 4e-3, 5.0}}) {
+    const double speed = force_N * 5.0 * period_s / mass_kg;  // that five periods of the force give
+    const double resolution_m = 0.02 * speed * period_s;
+    for (unsigned planted = 0; planted < 8; ++planted) {
+      if (mass_kg > 0.1 && planted % 3 != 1) continue;  // of one size all, of the others some
+      const bool viscous = (planted & 1U) != 0, dry = (planted & 2U) != 0, late = (planted & 4U) != 0;
+      const SmallSteps device{mass_kg, viscous ? 0.1 * force_N / speed : 0.0, dry ? 0.12 * force_N : 0.0,
+                              late ? 1.4 : 0.0};
+      const auto shown = device.run(period_s, force_N, resolution_m);
+      const DeviceFit fit = fit_device(shown.recording);
+      const double whole = std::reduce(shown.parts_N2.begin(), shown.parts_N2.end());
+      const std::array<bool, 4> present{true, viscous, dry, late};
+      for (std::size_t i = 0; i < 4; ++i) {
+        const DeviceEffect& effect = fit.effects[i];
+        const double truth = shown.parts_N2[i] / whole;
+        EXPECT_EQ(effect.named, present[i] ? Named::present : Named::negligible)
+            << mass_kg << " kg, planted " << planted << ": " << effect.name << ", share " << effect.share << ", late "
+            << fit.latency_s.value / period_s << " +- " << fit.latency_s.error95 / period_s << ", left "
+            << fit.residual_m / resolution_m;
+        EXPECT_NEAR(effect.share, truth, 0.02) << mass_kg << " kg, planted " << planted << ": " << effect.name;
+        fmt::print("{} kg, planted {}: {:16} {:6.2f} % of {:6.2f} %\n", mass_kg, planted, effect.name,
+                   100.0 * effect.share, 100.0 * truth);
+      }
+      EXPECT_NEAR(fit.resolution_m, resolution_m, 1e-6 * resolution_m);
+      EXPECT_LT(fit.unexplained, 0.01);
+    }
+  }
+}
+
+// A hand holds it and nobody says so: no figure is right, and none is given.
+TEST(DeviceFit, WithAHandOnTheDeviceItCannotTell) {
+  SmallSteps held{0.1, 0.3, 0.0, 0.0};
+  held.hand_N_per_m = 500.0;
+  const DeviceFit fit = fit_device(held.run(1e-3, 2.0, 1e-6).recording);
+  EXPECT_GT(fit.unexplained, 0.1);
+  for (const DeviceEffect& effect : fit.effects) EXPECT_EQ(effect.named, Named::cannot_tell) << effect.name;
 }
 
 TEST(DeviceFit, RefusesWhatShowsNothing) {

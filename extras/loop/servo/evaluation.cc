@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
 namespace touchstone::servo {
 namespace {
@@ -41,6 +40,9 @@ std::string sentence_of(const LoopEvaluation& evaluation) {
   std::string each;
   for (const MassRun& run : evaluation.runs)
     each += fmt::format("{}{:g} kg: {}", each.empty() ? "" : ", ", run.device_mass_kg, name_of(run.judgement.verdict));
+  const bool none_can = std::ranges::all_of(
+      evaluation.runs, [](const MassRun& run) { return run.judgement.verdict == Verdict::cannot_tell; });
+  if (none_can) return sentence(evaluation.worst().judgement);
   if (evaluation.verdict == Verdict::cannot_tell)
     return fmt::format("Cannot tell: the device's mass is not published, and it matters ({}).", each);
   return fmt::format("{} Of masses from {:g} to {:g} kg, since the device's is not published, this is the worst.",
@@ -54,7 +56,11 @@ const MassRun& LoopEvaluation::worst() const { return *std::ranges::max_element(
 
 Judgement judge_loop(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters,
                      const perception::Thresholds& thresholds) {
-  return judge(run_for_judgement(renderer, path, parameters), thresholds);
+  LoopRuns runs = run_for_judgement(renderer, path, parameters);
+  const Judgement out = judge(runs, thresholds);
+  if (out.verdict != Verdict::buzzes) return out;
+  run_encoder(runs, renderer, path, parameters);
+  return judge(runs, thresholds);
 }
 
 LoopEvaluation evaluate_loop(rendering::Renderer& renderer, const MotionColumns& path, const LoopSetup& setup,
@@ -67,11 +73,11 @@ LoopEvaluation evaluate_loop(rendering::Renderer& renderer, const MotionColumns&
     const LoopParameters own = setup.with_mass(mass_kg);
     MassRun run;
     run.device_mass_kg = mass_kg;
-    const auto began = std::chrono::steady_clock::now();
-    const std::size_t ticks = run_loop(renderer, path, own).size();
-    elapsed_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    simulated_s += static_cast<double>(ticks) * own.period_s;
     LoopRuns runs = run_for_judgement(renderer, path, own);
+    run_encoder(runs, renderer, path, own);
+    const double of_run_s = static_cast<double>(runs.run.size()) * own.period_s;
+    simulated_s += of_run_s;
+    elapsed_s += of_run_s / runs.real_time_factor;
     run.judgement = judge(runs, thresholds);
     run.run = std::move(runs.run);
     run.ideal = std::move(runs.ideal);

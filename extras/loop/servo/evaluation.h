@@ -36,7 +36,7 @@ struct LoopEvaluation {
 LoopEvaluation evaluate_loop(rendering::Renderer& renderer, const MotionColumns& path, const LoopSetup& setup,
                              const perception::Thresholds& thresholds);
 
-// The judgement alone, of one loop.
+// The judgement alone, of one loop. What the encoder's steps shake is told from a buzz only where there is one.
 Judgement judge_loop(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters,
                      const perception::Thresholds& thresholds);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -21,6 +22,8 @@ constexpr double kHighest_Hz = 1000.0;
 constexpr double kHannBandwidth = 1.5;  // bins of noise that the window sums up
 constexpr std::size_t kTimesThrownOut = 3;
 constexpr double kShareThrownOut = 0.02;
+constexpr double kLeastRealTime = 2.0;
+constexpr double kTimedFrom_s = 0.5;  // what is shorter says little of a renderer's cost
 
 struct Stretch {
   std::size_t begin = 0, end = 0;
@@ -182,14 +185,28 @@ std::string_view name_of(Verdict verdict) {
 }
 
 LoopRuns run_for_judgement(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters) {
-  LoopRuns out{run_loop(renderer, path, parameters), run_ideal_loop(renderer, path, parameters), {}};
-  if (parameters.resolution_m > 0.0) out.stepped = run_ideal_loop(renderer, path, parameters, parameters.resolution_m);
+  LoopRuns out;
+  const auto began = std::chrono::steady_clock::now();
+  out.run = run_loop(renderer, path, parameters);
+  const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  out.real_time_factor = static_cast<double>(out.run.size()) * parameters.period_s / std::max(elapsed_s, 1e-9);
+  out.too_slow = out.real_time_factor < kLeastRealTime && elapsed_s > kTimedFrom_s;
+  if (out.too_slow) return out;
+  out.ideal = run_ideal_loop(renderer, path, parameters);
   return out;
+}
+
+void run_encoder(LoopRuns& runs, rendering::Renderer& renderer, const MotionColumns& path,
+                 const LoopParameters& parameters) {
+  if (!runs.too_slow && parameters.resolution_m > 0.0)
+    runs.stepped = run_ideal_loop(renderer, path, parameters, parameters.resolution_m);
 }
 
 Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, double settling_s) {
   const LoopTrace &run = runs.run, &ideal = runs.ideal;
   Judgement out;
+  out.real_time_factor = runs.real_time_factor;
+  out.too_slow = runs.too_slow;
   std::size_t size = std::min(run.size(), ideal.size());
   if (runs.stepped.size() > 0) size = std::min(size, runs.stepped.size());
   if (size < 2) return out;
@@ -202,10 +219,12 @@ Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, 
   for (const Stretch& contact : contacts(ideal, size)) {
     std::size_t at = contact.begin, ideal_at = contact.begin;
     const std::size_t kick_end = std::min(contact.begin + onset, size);
-    const double kick_N = largest_N(run.felt_W_N, contact.begin, kick_end, at) -
-                          largest_N(ideal.felt_W_N, contact.begin, kick_end, ideal_at);
+    const double expected_N = largest_N(ideal.felt_W_N, contact.begin, kick_end, ideal_at);
+    const double kick_N = largest_N(run.felt_W_N, contact.begin, kick_end, at) - expected_N;
     if (contact.begin > 0 && kick_N > out.kick_N) {
       out.kick_N = kick_N;
+      out.kick_jnd = kick_N / std::max(thresholds.force.just_noticeable_difference(expected_N),
+                                       thresholds.force.absolute_threshold);
       out.kick_at_s = run.t_s[at];
     }
     if (contact.end - contact.begin < settling + 2 * length) continue;
@@ -236,6 +255,24 @@ Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, 
   return out;
 }
 
+Vibration largest_vibration(const std::vector<Vec3>& f_W_N, double rate_Hz, const perception::Thresholds& thresholds) {
+  const auto length = static_cast<std::size_t>(std::lround(kWindow_s * rate_Hz));
+  const perception::VibrationScale scale(thresholds);
+  Vibration worst;
+  for (std::size_t begin = 0; begin + length <= f_W_N.size(); begin += std::max<std::size_t>(1, length / 2)) {
+    const auto first = f_W_N.begin() + static_cast<std::ptrdiff_t>(begin);
+    if (std::any_of(first, first + static_cast<std::ptrdiff_t>(length), [](const Vec3& f) { return f.isZero(0.0); }))
+      continue;
+    double step_Hz = 0.0;
+    const std::vector<double> power = powers(f_W_N, {begin, begin + length}, rate_Hz, step_Hz);
+    Vibration own = peak_of(power, step_Hz);
+    own.jnd = scale.from_nothing(over_threshold(power, step_Hz, thresholds));
+    own.at_s = (static_cast<double>(begin) + 0.5 * static_cast<double>(length)) / rate_Hz;
+    keep_worse(worst, own);
+  }
+  return worst;
+}
+
 std::string sentence(const Judgement& judgement) {
   const std::string vibration = fmt::format("{:.0f} Hz with {:.3g} N ({:.2g} JND)", judgement.buzz.frequency_Hz,
                                             judgement.buzz.amplitude_N, judgement.buzz.jnd);
@@ -255,6 +292,13 @@ std::string sentence(const Judgement& judgement) {
       return fmt::format("Unstable: the hand is thrown out of contact {} times in {:.2g} s, at {}.",
                          judgement.thrown_out, judgement.judged_s, vibration);
     case Verdict::cannot_tell:
+      if (judgement.too_slow) {
+        return fmt::format(
+            "Cannot tell: a step of the renderer takes {:.2g} of the servo's period on this machine, where up to 0.5 "
+            "was "
+            "expected; measure its cost with touchstone replay --timing.",
+            1.0 / judgement.real_time_factor);
+      }
       return fmt::format("Cannot tell: on an ideal servo the hand never stays in contact for {:.2g} s.",
                          kSettling_s + 2.0 * kWindow_s);
   }

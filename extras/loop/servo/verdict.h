@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "harness/perception/judge/thresholds.h"
 #include "servo/servo_loop.h"
@@ -41,21 +42,37 @@ struct Judgement {
   Vibration own;      // of the ideal run, against none
   double kick_N = 0.0;
   double kick_at_s = 0.0;
+  double kick_jnd = 0.0;       // just noticeable differences of force, from the largest of the ideal run on
   double energy_J = 0.0;       // the most that the actuator had given more than taken, since the beginning
   double judged_s = 0.0;       // of contact
   std::size_t thrown_out = 0;  // times that contact was lost and should not have been
   double limited_share = 0.0;  // of the judged time, at the force limit
   double device_felt_N = 0.0;  // root mean square on the hand in free air: what is felt of the device itself
+  // Of LoopRuns; and whether the renderer is too slow: then nothing is judged.
+  double real_time_factor = 0.0;
+  bool too_slow = false;
 };
 
 struct LoopRuns {
   LoopTrace run, ideal;
-  LoopTrace stepped;  // ideal but for the encoder's steps; empty if the device reads exact positions
+  LoopTrace stepped;              // ideal but for the encoder's steps; empty if the device reads exact positions
+  double real_time_factor = 0.0;  // of `run`: simulated over elapsed time, on this machine
+  // A step takes more than half of a period, in a run of more than half a second: beside a device and its driver the
+  // renderer cannot answer in time, and the loop that would run is another one. The ideal run, which takes 16 times as
+  // long, is not made.
+  bool too_slow = false;
 };
+// All but `stepped`.
 LoopRuns run_for_judgement(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters);
+// Adds it.
+void run_encoder(LoopRuns& runs, rendering::Renderer& renderer, const MotionColumns& path,
+                 const LoopParameters& parameters);
 
 inline constexpr double kSettling_s = 0.1;
 Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, double settling_s = kSettling_s);
+
+// The largest vibration of a force in contact, wherever it is not zero for a window of 0.128 s; against none.
+Vibration largest_vibration(const std::vector<Vec3>& f_W_N, double rate_Hz, const perception::Thresholds& thresholds);
 
 // In a sentence, for people: "Buzzes at 143 Hz with 0.21 N (9.4 JND)."
 std::string sentence(const Judgement& judgement);

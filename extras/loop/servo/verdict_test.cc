@@ -1,9 +1,11 @@
 // Verdicts on walls that theory says are stable or not.
 #include "servo/verdict.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -54,7 +56,8 @@ TEST(Verdict, StepsOfTheEncoderBuzzWithTheAmplitudeAndFrequencyThatIsThere) {
   LoopParameters own = grip(0.02, 4.0, 300.0);
   own.resolution_m = 1e-4;
   FlatWall wall(0.5 * critical_gain(own)->stiffness_N_per_m);
-  const LoopRuns runs = run_for_judgement(wall, press(own), own);
+  LoopRuns runs = run_for_judgement(wall, press(own), own);
+  run_encoder(runs, wall, press(own), own);
   const LoopTrace& run = runs.run;
   const Judgement found = judge(runs, {});
   EXPECT_EQ(found.verdict, Verdict::buzzes) << sentence(found);
@@ -91,6 +94,53 @@ TEST(Verdict, WhatTheRendererShakesByItselfIsItsOwn) {
   EXPECT_EQ(found.verdict, Verdict::stable) << sentence(found);
   EXPECT_GT(found.own.jnd, 1.0);
   EXPECT_NEAR(found.own.frequency_Hz, 80.0, 2.0);
+}
+
+// A wall that is hit comes late: the force overshoots that of an ideal servo, in newtons and in the steps of Weber's
+// law from there on.
+TEST(Verdict, AKickIsWhatALateWallGivesBeyondAnIdealOne) {
+  LoopParameters own = grip(0.2, 20.0, 200.0);
+  FlatWall wall(3000.0);
+  const auto runs_of = [&] { return run_for_judgement(wall, press(own), own); };
+  EXPECT_LT(judge(runs_of(), {}).kick_jnd, 0.5);
+  own.latency_s = 4e-3;
+  const LoopRuns runs = runs_of();
+  const Judgement late = judge(runs, {});
+  const auto largest_N = [](const LoopTrace& trace) {  // in the 64 ms of the first contact
+    std::size_t first = 0;
+    while (trace.contact[first] == 0) ++first;
+    double largest = 0.0;
+    for (std::size_t i = first; i < first + 64; ++i) largest = std::max(largest, trace.felt_W_N[i].norm());
+    return largest;
+  };
+  const double ideal_N = largest_N(runs.ideal), kick_N = largest_N(runs.run) - ideal_N;
+  EXPECT_GT(late.kick_jnd, 1.0);
+  EXPECT_NEAR(late.kick_N, kick_N, 0.02 * kick_N);
+  EXPECT_NEAR(late.kick_jnd, kick_N / (ideal_N * perception::kFingertipForce.fraction(ideal_N)), 0.02 * late.kick_jnd);
+}
+
+// Steps that take longer than the servo's period: no verdict, and none of the long runs.
+TEST(Verdict, OfARendererThatIsTooSlowForTheServoItCannotTell) {
+  class Slow final : public rendering::Renderer {
+   public:
+    std::size_t steps = 0;
+
+   protected:
+    void do_reset() override {}
+    rendering::StepResult do_step(const rendering::TipState&) noexcept override {
+      ++steps;
+      const auto begin = std::chrono::steady_clock::now();
+      while (std::chrono::steady_clock::now() - begin < std::chrono::microseconds(300)) continue;
+      return {};
+    }
+  } renderer;
+  LoopParameters own = grip(0.1, 4.0, 300.0);
+  own.period_s = 5e-4;
+  const Judgement found = judged(renderer, own);
+  EXPECT_EQ(found.verdict, Verdict::cannot_tell);
+  EXPECT_TRUE(found.too_slow);
+  EXPECT_THAT(sentence(found), ::testing::HasSubstr("of the servo's period"));
+  EXPECT_LE(renderer.steps, 4001U);  // one run of 2 s
 }
 
 TEST(Verdict, WithoutContactItCannotTell) {

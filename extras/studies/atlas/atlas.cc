@@ -6,14 +6,13 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "harness/runs/shared_cache.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 #include "renderers/mesh_traversal/contact_mesh.h"
+#include "shared_cache.h"
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::atlas {
-using metrics::Anomalies;
 
 namespace {
 
@@ -100,7 +99,7 @@ Anomalies run_on(const Stage& stage, const AtlasCase& one, double force_N) {
   const auto renderer = renderers::make_renderer(make_model(one.renderer, one.stiffness_N_per_m, one.mu), stage.mesh);
   renderer->reset();
   const double depth = force_N / one.stiffness_N_per_m;
-  std::vector<metrics::TrackedContact> run;
+  std::vector<TrackedContact> run;
   run.reserve(stage.out.size());
   const OutPoint& first = stage.out.front();
   double t_s = 0.0;
@@ -113,7 +112,7 @@ Anomalies run_on(const Stage& stage, const AtlasCase& one, double force_N) {
   for (const OutPoint& out : stage.out) {
     const Vec3 tip = out.p_W_m - depth * out.n_W;
     const rendering::StepResult step = renderer->step({t_s += 1e-3, tip, Quat::Identity()});
-    metrics::TrackedContact now;
+    TrackedContact now;
     now.contact = step.contact;
     now.contact_W_m = step.contact_W_m;
     now.f_W_N = step.f_W_N;
@@ -126,7 +125,7 @@ Anomalies run_on(const Stage& stage, const AtlasCase& one, double force_N) {
     now.tip_outside_m = one.scene == Scene::shell ? std::min(outside, tip.z()) : outside;
     run.push_back(now);
   }
-  metrics::AnomalyLimits limits;
+  AnomalyLimits limits;
   limits.slack_m = one.mu * depth;
   return find_anomalies(run, limits);
 }

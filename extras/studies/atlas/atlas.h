@@ -1,6 +1,6 @@
 // The atlas of a renderer's geometric correctness (Ruffaldi et al. 2006, section 5 and figure 8): sharpness x stiffness
 // x friction x renderer, each case a run whose exact answer is known, told apart by the detectors of
-// harness/metrics/anomalies.h.
+// extras/studies/atlas/anomalies.h.
 //
 // Two scenes, both extruded along y, traced along x at 20 mm/s and 1 kHz by a hand that presses with 1.5 N:
 //   bump   a ridge 3 mm high and 8 mm wide on a block; sharpness: the angle of its sides against the block [rad]. The
@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/metrics/anomalies.h"
+#include "atlas/anomalies.h"
 
 namespace touchstone::atlas {
 
@@ -38,7 +38,7 @@ struct AtlasCase {
   double sharpness;  // rad or m, see above
   double stiffness_N_per_m;
   double mu;
-  metrics::Anomalies found;
+  Anomalies found;
   std::string error;  // why it could not be run; empty: it ran
 };
 
@@ -58,7 +58,7 @@ class AtlasWorld {
   AtlasWorld& operator=(const AtlasWorld&) = delete;
 
   // Thread-safe; depends on the case alone. Throws BadData where the renderer refuses.
-  [[nodiscard]] metrics::Anomalies run(const AtlasCase& one);
+  [[nodiscard]] Anomalies run(const AtlasCase& one);
 
  private:
   struct State;
@@ -71,7 +71,7 @@ AtlasCase run_case(Scene scene, const std::string& renderer, double sharpness, d
 
 // What is wrong, shortest first: "" for nothing, else of "s" sticks, "p" pops through, "l" loses contact, "i" pulls
 // inward, each where at least 1 % of the samples show it.
-std::string letters(const metrics::Anomalies& found);
+std::string letters(const Anomalies& found);
 // The same of a case; "?" for one that could not be run.
 std::string letters(const AtlasCase& one);
 

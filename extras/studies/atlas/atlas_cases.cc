@@ -57,7 +57,7 @@ runs::CaseJob atlas_job(const AtlasGrid& grid, AtlasWorld& world) {
     };
     row.values = {name_of(one.scene),      one.renderer,          sharpness(Scene::bump),
                   sharpness(Scene::shell), one.stiffness_N_per_m, one.mu};
-    const metrics::Anomalies found = world.run(one);
+    const Anomalies found = world.run(one);
     for (const std::uint64_t count :
          {found.samples, found.sticks, found.pops_through, found.loses_contact, found.pulls_inward})
       row.values.emplace_back(count);

@@ -1,9 +1,9 @@
-// The atlas as cases for the engine (harness/runs/case_engine.h), as rows of its store, and as the words of its
+// The atlas as cases for the engine (extras/runs/case_engine.h), as rows of its store, and as the words of its
 // command.
 #pragma once
 
 #include "atlas/atlas.h"
-#include "harness/runs/case_engine.h"
+#include "case_engine.h"
 
 namespace touchstone::atlas {
 

@@ -165,7 +165,7 @@ Section summary_section(const std::vector<AtlasCase>& cases) {
   Section section{
       "How many cases show what",
       "A case is one run; sticks, pops through and so on are counted where at least 1 % of its samples show "
-      "it. Definitions: harness/metrics/anomalies.h.",
+      "it. Definitions: extras/studies/atlas/anomalies.h.",
       {},
       false};
   Table table;

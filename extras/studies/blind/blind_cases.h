@@ -1,4 +1,4 @@
-// The search of blind cases as cases for the engine (harness/runs/case_engine.h): in shards, on Slurm, by job lists of
+// The search of blind cases as cases for the engine (extras/runs/case_engine.h): in shards, on Slurm, by job lists of
 // any farm. What the score and the next motion need of a search, findings.json and next.csv, stands in its row, so that
 // a task whose folder is its own node's brings it home.
 #pragma once
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/runs/case_engine.h"
+#include "case_engine.h"
 
 namespace touchstone::blind {
 

@@ -1,4 +1,4 @@
-// An experiment over several seeds as cases for the engine (harness/runs/case_engine.h): a seed is a case, its named
+// An experiment over several seeds as cases for the engine (extras/runs/case_engine.h): a seed is a case, its named
 // values and findings are its row, and what the report shows of it stands beside them as JSON.
 #pragma once
 
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "case_command.h"
 #include "experiments/seed_spread.h"
-#include "harness/runs/case_command.h"
 
 namespace touchstone::experiments {
 

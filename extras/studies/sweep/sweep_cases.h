@@ -1,7 +1,7 @@
-// A sweep as cases for the engine (harness/runs/case_engine.h) and as rows of its store.
+// A sweep as cases for the engine (extras/runs/case_engine.h) and as rows of its store.
 #pragma once
 
-#include "harness/runs/case_engine.h"
+#include "case_engine.h"
 #include "sweep/world.h"
 
 namespace touchstone::sweep {

@@ -11,8 +11,8 @@
 #include "harness/golden/case_runner.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/replay.h"
-#include "harness/runs/shared_cache.h"
 #include "harness/surface/embree_surface.h"
+#include "shared_cache.h"
 
 namespace touchstone::sweep {
 using recording::InTrajectory;

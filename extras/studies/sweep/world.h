@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
+#include "design.h"
 #include "harness/golden/exact_error.h"
 #include "harness/golden/golden_summary.h"
-#include "harness/runs/design.h"
 
 namespace touchstone::sweep {
 

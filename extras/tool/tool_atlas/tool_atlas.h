@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/runs/case_engine.h"
+#include "case_engine.h"
 #include "harness/tool/tool_renderer_entry.h"
 #include "tool_errors.h"
 

@@ -1,8 +1,9 @@
-// What is wrong with a renderer, by what it gives beside what was measured: is its force late, held, cut at a limit, in
-// steps, mirrored or with exchanged axes, or missing in single samples? Each is a model of the residual with what a
-// repair of it gains, and is said only if it gains the most and does so in both halves of the recording. A recording
-// can have the same fault (its clocks, its axes), which the recording's own checks look for (harness/recording_checks):
-// where both are possible, both are said.
+// What is wrong with a renderer, by what it gives beside what was measured: is its force late, filtered, held, late in
+// single samples, mirrored or with exchanged axes, larger when pressed than when released, cut at a limit, in steps, or
+// missing in single samples? Each is a model of the residual with what a repair of it gains, and is said only if it
+// gains the most and does so in both halves of the recording, with the repairs that gain nearly as much beside it. A
+// recording can have the same fault (its clocks, its axes), which the recording's own checks look for
+// (harness/recording_checks): where both are possible, both are said.
 #pragma once
 
 #include <string>
@@ -21,7 +22,7 @@ class RendererResidual {
 
  private:
   std::vector<double> t_s_;
-  std::vector<Vec3> tip_W_m_, measured_N_, rendered_N_;
+  std::vector<Vec3> tip_W_m_, contact_W_m_, measured_N_, rendered_N_;
 };
 
 }  // namespace touchstone::pipeline

@@ -1,5 +1,6 @@
 #include "harness/pipeline/evaluation/renderer_residual.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -69,6 +70,117 @@ TEST(RendererResidual, OneThatHoldsItsAnswersDoesSoForSoManySamples) {
   // Nor is a limit, or a renderer that answers a resting tip alike for a while.
   EXPECT_THAT(faults_of([](double t) { return force_N(t < 4.0 ? t : 4.0); }),
               ::testing::Not(::testing::Contains(HasSubstr("held"))));
+}
+
+TEST(RendererResidual, AContactPointThatIsMovedAtSomeStepsOnlyIsHeld) {
+  const auto faults = [](const std::function<Vec3(int)>& contact) {
+    RendererResidual residual;
+    for (int i = 0; i < 4000; ++i) {
+      const Vec3 tip(1e-5 * i, 0.0, -1e-3);
+      metrics::MetricSample sample;
+      sample.t_s = 1e-3 * i;
+      sample.contact_W_m = contact(i);
+      sample.f_rendered_W_N = 500.0 * (sample.contact_W_m - tip);
+      sample.f_measured_W_N = {0.0, 0.0, 0.5};
+      residual.add(sample, tip);
+    }
+    return residual.faults();
+  };
+  EXPECT_THAT(
+      faults([](int i) { return Vec3(4e-5 * (i / 4), 0.0, 0.0); }),
+      testing::Contains(HasSubstr("contact point is held: it moves once in 4 samples in the mean and never at two")));
+  // Friction lets go when it must.
+  Random random(8);
+  int held = 0;
+  EXPECT_THAT(faults([&](int i) {
+                if (random.uniform(0.0, 1.0) < 0.2) held = i;
+                return Vec3(1e-5 * held, 0.0, 0.0);
+              }),
+              testing::Not(testing::Contains(HasSubstr("contact point is held"))));
+  EXPECT_THAT(faults([](int i) { return Vec3(1e-5 * i, 0.0, 0.0); }), IsEmpty());
+}
+
+// A hand that taps and strokes fast enough for a filter to be told from a lag.
+Vec3 quick_force_N(double t) { return force_N(t) + Vec3(0.1, 0.05, 0.3) * std::sin(160.0 * t); }
+
+// What the renderer gives for sample after sample of a right force.
+std::vector<std::string> faults_of_memory(const std::function<Vec3(const std::vector<Vec3>&)>& renderer,
+                                          double noise_N = 0.01, double rate_Hz = 1000.0) {
+  Random random(7);
+  RendererResidual residual;
+  std::vector<Vec3> right;
+  for (int i = 0; i < 8000; ++i) {
+    right.push_back(quick_force_N(i / rate_Hz));
+    metrics::MetricSample sample;
+    sample.t_s = i / rate_Hz;
+    sample.f_measured_W_N = right.back() + noise_N * Vec3(random.normal(), random.normal(), random.normal());
+    sample.f_rendered_W_N = renderer(right);
+    residual.add(sample, 1e-3 * right.back());
+  }
+  return residual.faults();
+}
+
+TEST(RendererResidual, AFilterIsToldFromALagWhereTheMotionTells) {
+  for (const double tau_s : {0.004, 0.02}) {
+    Vec3 state = force_N(0.0);
+    const double a = std::exp(-0.001 / tau_s);
+    const auto filtered = [&](const std::vector<Vec3>& right) { return state = a * state + (1.0 - a) * right.back(); };
+    EXPECT_THAT(faults_of_memory(filtered),
+                ElementsAre(::testing::AllOf(HasSubstr("low-pass filtered"),
+                                             HasSubstr(fmt::format("{:.1f} ms: undone", 1e3 * tau_s)))));
+  }
+  // A slow hand does not: both are said.
+  EXPECT_THAT(faults_of([](double t) { return force_N(t - 0.005); }, 0.05),
+              testing::AnyOf(IsEmpty(), ElementsAre(HasSubstr("does not tell it from"))));
+  EXPECT_THAT(faults_of([](double t) { return force_N(t - 0.005); }, 0.01),
+              ElementsAre(HasSubstr("does not tell it from: without a low-pass filter of 5.")));
+}
+
+TEST(RendererResidual, SamplesThatAreLateInTurnAreNamedByTheirPeriod) {
+  const auto late = [](std::size_t period, std::size_t lag) {
+    return [=](const std::vector<Vec3>& right) -> Vec3 {
+      const std::size_t i = right.size() - 1;
+      // Between two samples, so that none is that of the sample before.
+      return i % period == 1 && i > lag ? Vec3(0.5 * (right[i - lag] + right[i - lag + 1])) : right.back();
+    };
+  };
+  EXPECT_THAT(faults_of_memory(late(2, 1)),
+              ElementsAre(HasSubstr("Of every 2 samples of the rendered force 1 are late, by 0.5")));
+  EXPECT_THAT(faults_of_memory(late(3, 2)),
+              ElementsAre(HasSubstr("Of every 3 samples of the rendered force 1 are late, by 1.5")));
+  EXPECT_THAT(faults_of_memory(late(5, 3)),
+              ElementsAre(HasSubstr("Of every 5 samples of the rendered force 1 are late, by 2.")));
+}
+
+TEST(RendererResidual, AnswersWithJitterAreNamed) {
+  Random random(3);
+  Vec3 last = Vec3::Zero();
+  EXPECT_THAT(faults_of_memory([&](const std::vector<Vec3>& right) {
+                return random.uniform(0.0, 1.0) < 0.3 ? last : last = right.back();
+              }),
+              testing::Contains(HasSubstr("jitter")));
+  // Not a force that stays the same while the tip slides, or one of a path in steps.
+  EXPECT_THAT(faults_of([](double t) { return std::fmod(t, 0.4) < 0.3 ? Vec3(0.0, 0.0, 1.0) : force_N(t); }),
+              testing::Not(testing::Contains(HasSubstr("jitter"))));
+}
+
+TEST(RendererResidual, AHysteresisOfTheRendererIsNamedAndOneOfTheObjectIsNot) {
+  for (const double share : {0.05, 0.3}) {
+    Vec3 before = Vec3::Zero();
+    const auto engine = [&](const std::vector<Vec3>& right) -> Vec3 {
+      const bool falls = right.back().norm() < before.norm();
+      before = right.back();
+      return (falls ? 1.0 - share : 1.0) * right.back();
+    };
+    EXPECT_THAT(faults_of_memory(engine),
+                ElementsAre(HasSubstr(fmt::format("{:.2g} % larger while it grows", 100.0 * share / (1.0 - share)))));
+    const auto object = [&](const std::vector<Vec3>& right) -> Vec3 {
+      const bool falls = right.back().norm() < before.norm();
+      before = right.back();
+      return (falls ? 1.0 : 1.0 - share) * right.back();
+    };
+    EXPECT_THAT(faults_of_memory(object), IsEmpty());
+  }
 }
 
 TEST(RendererResidual, StepsAreNamedWhereTheyMatter) {
