@@ -35,12 +35,14 @@ inline surface::TriangleMesh mesh_of(const touchstone2_mesh& given) {
 template <class Entry>
 std::vector<touchstone_parameter> parameters_of(const Entry& entry) {
   std::vector<touchstone_parameter> out;
+  out.reserve(entry.parameters.size());
   for (const rendering::ParameterDeclaration& p : entry.parameters)
     out.push_back({p.name.c_str(), p.unit.c_str(), p.minimum, p.maximum, p.initial, p.meaning.c_str()});
   return out;
 }
 inline std::vector<touchstone_limitation> limitations_of(const std::vector<rendering::Limitation>& cannot) {
   std::vector<touchstone_limitation> out;
+  out.reserve(cannot.size());
   for (const rendering::Limitation& limit : cannot)
     out.push_back({ability_name(limit.ability).data(), limit.reason.c_str()});
   return out;

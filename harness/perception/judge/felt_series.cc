@@ -52,6 +52,10 @@ Smoothed smoothed(const std::vector<double>& x, double rate_Hz, std::size_t m) {
   return result;
 }
 
+// Beyond these nothing was measured, and powers of forces and places would be no numbers.
+constexpr double kMostForce_N = 1e9;
+constexpr double kFarthest_m = 1e6;
+
 void check_felt(const Recording& r) {
   if (r.f_W_N.size() != r.size()) {
     throw BadData(fmt::format("{}: has no force; a perceptual evaluation compares forces", r.source));
@@ -63,6 +67,14 @@ void check_felt(const Recording& r) {
     if (!r.f_W_N[i].allFinite() || !r.motion.p_W_m[i].allFinite() || !std::isfinite(r.motion.t_s[i])) {
       throw BadData(fmt::format("{}: sample {} (t = {} s) is not a finite number; remove or repair the sample",
                                 r.source, i + 1, r.motion.t_s[i]));
+    }
+    const double force_N = r.f_W_N[i].cwiseAbs().maxCoeff();
+    const double place_m = r.motion.p_W_m[i].cwiseAbs().maxCoeff();
+    if (force_N > kMostForce_N || place_m > kFarthest_m) {
+      throw BadData(fmt::format(
+          "{}: sample {} (t = {} s) has a force of {:.3g} N at a place of {:.3g} m; at most {:g} N and {:g} m were "
+          "expected: remove or repair the sample, or name the unit in the header",
+          r.source, i + 1, r.motion.t_s[i], force_N, place_m, kMostForce_N, kFarthest_m));
     }
     if (i > 0 && !(r.motion.t_s[i] > r.motion.t_s[i - 1])) {
       throw BadData(fmt::format("{}: time does not advance from sample {} to {} ({} s to {} s)", r.source, i, i + 1,

@@ -45,8 +45,8 @@ Vec3 pressing_direction(const recording::Recording& recording);
 
 // Positions and velocities are means and slopes over 20 ms, so that a tracker's noise does not look like a vibration
 // of the object. Samples are interpolated to an even clock if an interval differs from the median by more than 5 %.
-// Throws BadData for no force, values that are not finite, time that does not advance, a hole of more than 20
-// intervals, or fewer than 50 samples.
+// Throws BadData for no force, values that are not finite or beyond 1e9 N and 1e6 m, time that does not advance, a hole
+// of more than 20 intervals, or fewer than 50 samples.
 FeltSeries felt_series(const recording::Recording& recording, const Vec3& outward);
 
 // The motion of `lag_s` ago beside the force of now: what an object with that delay answers to. The first samples keep

@@ -20,6 +20,7 @@ using recording::Recording;
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
@@ -367,6 +368,14 @@ TEST(Judge, RefusesWhatItCannotCompare) {
   broken = record_presses({}, 1);
   broken.f_W_N.clear();
   EXPECT_THROW(felt_series(broken, Vec3::UnitZ()), BadData);
+  // Finite, but its square's square is not.
+  broken = record_presses({}, 1);
+  broken.f_W_N[30].y() = -1e160;
+  EXPECT_THAT([&] { felt_series(broken, Vec3::UnitZ()); },
+              ThrowsMessage<BadData>(HasSubstr("sample 31 (t = 0.03 s) has a force of 1e+160 N")));
+  broken = record_presses({}, 1);
+  broken.motion.p_W_m[40].x() = 1e90;
+  EXPECT_THAT([&] { felt_series(broken, Vec3::UnitZ()); }, ThrowsMessage<BadData>(HasSubstr("a place of 1e+90 m")));
 }
 
 // A clock that hurries and dawdles: what is linear in time is linear on the even clock.
