@@ -4,11 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include "harness/base/random.h"
+#include "harness/pipeline/evaluation/residual_series.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -37,6 +40,23 @@ std::vector<std::string> faults_of(const std::function<Vec3(double)>& rendered, 
     residual.add(sample, 1e-3 * force_N(seen_s));
   }
   return residual.faults();
+}
+
+// Even steps, a long gap, steps that grow, and times that repeat.
+TEST(ResidualSeries, FindsTheSampleAfterATimeWhateverTheSteps) {
+  Random random(3);
+  for (int kind = 0; kind < 4; ++kind) {
+    std::vector<double> t_s{7.0};
+    for (int i = 1; i < 300; ++i)
+      t_s.push_back(t_s.back() + std::array{1e-3, i == 40 ? 9.0 : 1e-3, 1e-6 * std::pow(1.05, i), 0.5 * (i % 3)}[kind]);
+    const std::vector<Vec3> none;
+    const ResidualSeries series(t_s, none, none, none, none);
+    for (int i = 0; i < 2000; ++i) {
+      // Every second one is the time of a sample.
+      const double at = i % 2 == 0 ? t_s[1 + i % 298] : t_s.front() + (t_s.back() - t_s.front()) * random.uniform();
+      ASSERT_EQ(series.first_after(at), std::ranges::upper_bound(t_s, at) - t_s.begin()) << kind << ", " << at;
+    }
+  }
 }
 
 TEST(RendererResidual, ARightRendererIsNotAccused) {
