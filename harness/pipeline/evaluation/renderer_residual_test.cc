@@ -80,7 +80,7 @@ TEST(RendererResidual, ALateOneIsLateBySoMuch) {
 TEST(RendererResidual, OneThatHoldsItsAnswersDoesSoForSoManySamples) {
   for (const auto& [hold_s, every] :
        {std::pair{0.016, "every 16th"}, {1.0 / 60.0, "every 16.7th"}, {0.007, "every 7th"}}) {
-    const auto held = [hold_s](double t) { return force_N(hold_s * std::floor(t / hold_s + 1e-9)); };
+    const auto held = [hold_s = hold_s](double t) { return force_N(hold_s * std::floor(t / hold_s + 1e-9)); };
     EXPECT_THAT(faults_of(held, 0.003), ElementsAre(::testing::AllOf(HasSubstr(every), HasSubstr("would be 0.00"))));
     EXPECT_THAT(faults_of([&](double t) { return held(t - 0.02); }, 0.003),
                 ElementsAre(HasSubstr("ms behind"), HasSubstr(every)));
@@ -107,7 +107,7 @@ TEST(RendererResidual, AContactPointThatIsMovedAtSomeStepsOnlyIsHeld) {
     return residual.faults();
   };
   EXPECT_THAT(
-      faults([](int i) { return Vec3(4e-5 * (i / 4), 0.0, 0.0); }),
+      faults([](int i) { return Vec3(4e-5 * std::floor(0.25 * i), 0.0, 0.0); }),
       testing::Contains(HasSubstr("contact point is held: it moves once in 4 samples in the mean and never at two")));
   // Friction lets go when it must.
   Random random(8);
