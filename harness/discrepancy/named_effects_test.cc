@@ -40,9 +40,9 @@ std::vector<Vec3> forces_N(const MotionColumns& path, const Friction& friction_N
   return f_W_N;
 }
 
-// `force_W_N` of a path, for two recordings.
+// `force_W_N` of a path, for two recordings of every `nth` sample.
 template <class Force>
-Findings searched(const Force& force_W_N, std::uint64_t seed) {
+Findings searched(const Force& force_W_N, std::uint64_t seed, std::size_t nth = 1) {
   surface::TriangleMesh mesh;
   mesh.vertices_W_m = {{-0.1, -0.1, 0}, {0.1, -0.1, 0}, {0.1, 0.1, 0}, {-0.1, 0.1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -53,7 +53,12 @@ Findings searched(const Force& force_W_N, std::uint64_t seed) {
   start.parameters["stiffness_N_per_m"] = 850.0;
   start.source = "test";
   const auto measure = [&](double phase, std::uint64_t noise) {
-    const MotionColumns path = hand(phase, 1.0);
+    const MotionColumns whole = hand(phase, 1.0);
+    MotionColumns path;
+    for (std::size_t i = 0; i < whole.size(); i += nth) {
+      path.t_s.push_back(whole.t_s[i]);
+      path.p_W_m.push_back(whole.p_W_m[i]);
+    }
     return measured(path, force_W_N(path), small_noise(1.0), noise);
   };
   const TwoRecordings recordings(
@@ -118,7 +123,7 @@ TEST(TwoMaterials, AreNamedAndTheirBorderIsFound) {
         }
         return f_W_N;
       },
-      7);
+      7, 3);
   ASSERT_EQ(findings.search.found.size(), 1U) << findings.explanation;
   EXPECT_EQ(findings.search.found.front().name, "two-materials");
   // The same border from its other side has the reciprocal ratio.

@@ -19,14 +19,19 @@ class PlanePredictor final : public rendering::Predictor {
     const double k = model.parameters.at("stiffness_N_per_m");
     const rendering::NamedParameters* const viscous = find_entry(model, "viscous-friction");
     const rendering::NamedParameters* const bias = find_entry(model, "force-bias");
+    // Once, not in each of thousands of samples.
+    const double viscous_N_s_per_m = viscous ? viscous->parameters.at("coefficient_N_s_per_m") : 0.0;
+    const Vec3 bias_N =
+        bias ? Vec3(bias->parameters.at("fx_N"), bias->parameters.at("fy_N"), bias->parameters.at("fz_N"))
+             : Vec3(Vec3::Zero());
     for (std::size_t i = 0; i < motion_.size(); ++i) {
       const double depth = std::max(0.0, -motion_.p_W_m[i].z());
       Vec3 f(0.0, 0.0, k * depth);
       if (viscous && depth > 0.0 && i > 0) {
         const Vec3 v = (motion_.p_W_m[i] - motion_.p_W_m[i - 1]) / (motion_.t_s[i] - motion_.t_s[i - 1]);
-        f.head<2>() -= viscous->parameters.at("coefficient_N_s_per_m") * v.head<2>();
+        f.head<2>() -= viscous_N_s_per_m * v.head<2>();
       }
-      if (bias) f += Vec3(bias->parameters.at("fx_N"), bias->parameters.at("fy_N"), bias->parameters.at("fz_N"));
+      f += bias_N;
       prediction.f_W_N.push_back(f);
       prediction.n_W.push_back(depth > 0.0 ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::Zero()));
       prediction.depth_m.push_back(depth);

@@ -15,9 +15,11 @@ constexpr double interval_deviations = 2.5;
 // A window grows by at most so much of the way from where it had to be short: it may not reach across what made it so.
 constexpr double window_growth = 0.5;
 
-std::vector<Vec3> smooth(const std::vector<double>& t_s, const std::vector<Vec3>& series,
-                         const std::vector<double>& half_window_s) {
-  std::vector<Vec3> out(series.size());
+// The weights are those of all columns of a sample.
+template <class Columns>
+std::vector<Columns> smooth(const std::vector<double>& t_s, const std::vector<Columns>& series,
+                            const std::vector<double>& half_window_s) {
+  std::vector<Columns> out(series.size());
   for (std::size_t i = 0; i < series.size(); ++i) {
     const double half_s = half_window_s[i];
     const auto first = std::lower_bound(t_s.begin(), t_s.end(), t_s[i] - half_s) - t_s.begin();
@@ -29,9 +31,9 @@ std::vector<Vec3> smooth(const std::vector<double>& t_s, const std::vector<Vec3>
     }
     // The moments of the weights, and of the series with them; only the value in the middle is wanted.
     std::array<double, 5> moments{};
-    Vec3 constant = Vec3::Zero();
-    Vec3 linear = Vec3::Zero();
-    Vec3 square = Vec3::Zero();
+    Columns constant = Columns::Zero();
+    Columns linear = Columns::Zero();
+    Columns square = Columns::Zero();
     for (auto j = static_cast<std::size_t>(first); j < static_cast<std::size_t>(last); ++j) {
       const double u = (t_s[j] - t_s[i]) / half_s;
       const double share = 1.0 - std::abs(u) * u * u;
@@ -56,12 +58,6 @@ std::vector<Vec3> smooth(const std::vector<double>& t_s, const std::vector<Vec3>
   return out;
 }
 
-double rms_of_axis(const std::vector<Vec3>& series) {
-  double sum = 0.0;
-  for (const Vec3& v : series) sum += v.squaredNorm();
-  return std::sqrt(sum / (3.0 * static_cast<double>(series.size())));
-}
-
 std::vector<Vec3> draw_noise(const std::vector<double>& t_s, const InstrumentDescription& instrument, Random& random) {
   MotionColumns still;
   still.t_s = t_s;
@@ -81,14 +77,20 @@ MotionSmoother::MotionSmoother(const MotionColumns& motion, const InstrumentDesc
   std::vector<Eigen::Array3d> low(n, Eigen::Array3d::Constant(-std::numeric_limits<double>::infinity()));
   std::vector<Eigen::Array3d> high(n, Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()));
   std::vector<bool> decided(n, false);
+  // Beside the motion the noise, in which the window shows its reach.
+  using Both = Eigen::Matrix<double, 3, 2>;
+  std::vector<Both> both(n);
+  for (std::size_t i = 0; i < n; ++i) both[i] << motion.p_W_m[i], noise[i];
   for (const double periods : half_windows) {
     const std::vector<double> half_s(n, periods / instrument.position_rate_Hz);
-    const auto tried = smooth(t_s_, motion.p_W_m, half_s);
-    const double reach_m = interval_deviations * rms_of_axis(smooth(t_s_, noise, half_s));
+    const auto tried = smooth(t_s_, both, half_s);
+    double square = 0.0;
+    for (const Both& one : tried) square += one.col(1).squaredNorm();
+    const double reach_m = interval_deviations * std::sqrt(square / (3.0 * static_cast<double>(n)));
     for (std::size_t i = 0; i < n; ++i) {
       if (decided[i]) continue;
-      low[i] = low[i].max(tried[i].array() - reach_m);
-      high[i] = high[i].min(tried[i].array() + reach_m);
+      low[i] = low[i].max(tried[i].col(0).array() - reach_m);
+      high[i] = high[i].min(tried[i].col(0).array() + reach_m);
       if ((low[i] > high[i]).any()) {
         decided[i] = true;
       } else {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -171,13 +172,24 @@ std::optional<BlockOrder> try_length(std::span<const double> t_s, std::span<cons
   return order;
 }
 
-// The shift of `measured` round its ends that makes it follow `modelled` best, and the correlation that it brings.
-std::pair<std::size_t, double> best_shift(const std::vector<double>& measured, const std::vector<double>& modelled) {
-  std::pair<std::size_t, double> best{0, correlation(measured, modelled)};
-  std::vector<double> shifted = measured;
-  for (std::size_t shift = 1; shift < measured.size(); ++shift) {
-    std::rotate(shifted.begin(), shifted.begin() + 1, shifted.end());
-    const double c = correlation(shifted, modelled);
+// At most `most_shifts` of the values, in deviations from their mean; empty where they do not vary.
+Eigen::VectorXd thinned(std::span<const double> values) {
+  const std::size_t points = std::min(most_shifts, values.size());
+  std::vector<double> few;
+  for (std::size_t i = 0; i < points; ++i) few.push_back(values[i * values.size() / points]);
+  const Moments m = moments_of(few);
+  if (!(m.deviation > 0.0)) return {};
+  return (Eigen::VectorXd::Map(few.data(), static_cast<Eigen::Index>(points)).array() - m.mean) / m.deviation;
+}
+
+// The shift of `measured` round its ends that makes it follow `modelled` best, and the correlation that it brings: of
+// deviations from means, which no shift changes.
+std::pair<Eigen::Index, double> best_shift(const Eigen::VectorXd& measured, const Eigen::VectorXd& modelled) {
+  const Eigen::Index n = measured.size();
+  const Eigen::VectorXd twice = measured.replicate(2, 1);
+  std::pair<Eigen::Index, double> best{0, -std::numeric_limits<double>::infinity()};
+  for (Eigen::Index shift = 0; shift < n; ++shift) {
+    const double c = twice.segment(shift, n).dot(modelled) / static_cast<double>(n);
     if (c > best.second) best = {shift, c};
   }
   return best;
@@ -185,22 +197,16 @@ std::pair<std::size_t, double> best_shift(const std::vector<double>& measured, c
 
 std::optional<BlockOrder> try_rotation(std::span<const double> measured, std::span<const double> modelled,
                                        double duration_s, double most_left) {
-  const std::size_t points = std::min(most_shifts, measured.size());
-  const auto thinned = [&](std::span<const double> values) {
-    std::vector<double> few;
-    for (std::size_t i = 0; i < points; ++i) few.push_back(values[i * values.size() / points]);
-    return few;
-  };
-  const auto own = thinned(measured), model = thinned(modelled);
+  const Eigen::VectorXd own = thinned(measured), model = thinned(modelled);
+  if (own.size() == 0 || model.size() == 0) return std::nullopt;
   const auto left = [](double c) { return 1.0 - c * c; };
-  const double as_is = correlation(own, model);
+  const double as_is = own.dot(model) / static_cast<double>(own.size());
   const auto [shift, shifted] = best_shift(own, model);
-  const auto backwards = best_shift({own.rbegin(), own.rend()}, model);
-  if (!(left(shifted) < most_left * left(as_is)) || !(left(shifted) < most_left * left(backwards.second))) {
+  if (!(left(shifted) < most_left * left(as_is)) ||
+      !(left(shifted) < most_left * left(best_shift(own.reverse(), model).second)))
     return std::nullopt;
-  }
   // A small shift is a lag of the clock: another fault (load_lag.h), or an effect that a model may have.
-  const double share = static_cast<double>(shift) / static_cast<double>(points);
+  const double share = static_cast<double>(shift) / static_cast<double>(own.size());
   const double away_s = duration_s * std::min(share, 1.0 - share);
   if (!(away_s > longest_lag_s)) return std::nullopt;
   return BlockOrder{duration_s * share, 2, 2, as_is, shifted};

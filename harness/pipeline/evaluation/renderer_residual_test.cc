@@ -4,11 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include "harness/base/random.h"
+#include "harness/pipeline/evaluation/residual_series.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -39,6 +42,23 @@ std::vector<std::string> faults_of(const std::function<Vec3(double)>& rendered, 
   return residual.faults();
 }
 
+// Even steps, a long gap, steps that grow, and times that repeat.
+TEST(ResidualSeries, FindsTheSampleAfterATimeWhateverTheSteps) {
+  Random random(3);
+  for (int kind = 0; kind < 4; ++kind) {
+    std::vector<double> t_s{7.0};
+    for (int i = 1; i < 300; ++i)
+      t_s.push_back(t_s.back() + std::array{1e-3, i == 40 ? 9.0 : 1e-3, 1e-6 * std::pow(1.05, i), 0.5 * (i % 3)}[kind]);
+    const std::vector<Vec3> none;
+    const ResidualSeries series(t_s, none, none, none, none);
+    for (int i = 0; i < 2000; ++i) {
+      // Every second one is the time of a sample.
+      const double at = i % 2 == 0 ? t_s[1 + i % 298] : t_s.front() + (t_s.back() - t_s.front()) * random.uniform();
+      ASSERT_EQ(series.first_after(at), std::ranges::upper_bound(t_s, at) - t_s.begin()) << kind << ", " << at;
+    }
+  }
+}
+
 TEST(RendererResidual, ARightRendererIsNotAccused) {
   for (const double rate_Hz : {60.0, 1000.0, 5000.0}) {
     EXPECT_THAT(faults_of(force_N, 0.01, rate_Hz), IsEmpty());
@@ -60,7 +80,7 @@ TEST(RendererResidual, ALateOneIsLateBySoMuch) {
 TEST(RendererResidual, OneThatHoldsItsAnswersDoesSoForSoManySamples) {
   for (const auto& [hold_s, every] :
        {std::pair{0.016, "every 16th"}, {1.0 / 60.0, "every 16.7th"}, {0.007, "every 7th"}}) {
-    const auto held = [hold_s](double t) { return force_N(hold_s * std::floor(t / hold_s + 1e-9)); };
+    const auto held = [hold_s = hold_s](double t) { return force_N(hold_s * std::floor(t / hold_s + 1e-9)); };
     EXPECT_THAT(faults_of(held, 0.003), ElementsAre(::testing::AllOf(HasSubstr(every), HasSubstr("would be 0.00"))));
     EXPECT_THAT(faults_of([&](double t) { return held(t - 0.02); }, 0.003),
                 ElementsAre(HasSubstr("ms behind"), HasSubstr(every)));
@@ -87,7 +107,7 @@ TEST(RendererResidual, AContactPointThatIsMovedAtSomeStepsOnlyIsHeld) {
     return residual.faults();
   };
   EXPECT_THAT(
-      faults([](int i) { return Vec3(4e-5 * (i / 4), 0.0, 0.0); }),
+      faults([](int i) { return Vec3(4e-5 * std::floor(0.25 * i), 0.0, 0.0); }),
       testing::Contains(HasSubstr("contact point is held: it moves once in 4 samples in the mean and never at two")));
   // Friction lets go when it must.
   Random random(8);

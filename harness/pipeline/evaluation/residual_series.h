@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "harness/base/vec.h"
@@ -37,11 +38,12 @@ class ResidualSeries {
   [[nodiscard]] double left(const Half& half, const Repair& repair) const {
     // Some thousands of samples tell as much as all: one of each part, at a place that follows no period.
     constexpr std::size_t enough = 3000;
+    static const std::vector<double> places = places_of_parts(enough);
     const std::size_t size = half.to - half.from, n = std::min(size, enough);
     const double part = static_cast<double>(size) / static_cast<double>(n);
     double sum = 0.0;
     for (std::size_t k = 0; k < n; ++k) {
-      const double place = n == size ? 0.0 : std::fmod(std::numbers::phi * static_cast<double>(k), 1.0);
+      const double place = n == size ? 0.0 : places[k];
       const std::size_t i = half.from + static_cast<std::size_t>((static_cast<double>(k) + place) * part);
       sum += (repair(i) - measured_[i]).squaredNorm();
     }
@@ -67,8 +69,7 @@ class ResidualSeries {
     const double t = t_s_[i] + lag_s;
     if (t <= t_s_.front()) return rendered_.front();
     if (t >= t_s_.back()) return rendered_.back();
-    const auto above = std::ranges::upper_bound(t_s_, t);
-    const auto k = static_cast<std::size_t>(above - t_s_.begin());
+    const std::size_t k = first_after(t);
     const double share = (t - t_s_[k - 1]) / (t_s_[k] - t_s_[k - 1]);
     return (1.0 - share) * rendered_[k - 1] + share * rendered_[k];
   }
@@ -81,8 +82,29 @@ class ResidualSeries {
     return true;
   }
 
+  // The first sample after a time within the series: where it would be were all steps equal, or in doubling distances
+  // around that.
+  [[nodiscard]] std::size_t first_after(double t) const {
+    const auto last = static_cast<double>(size() - 1);
+    const double share = (t - t_s_.front()) / (t_s_.back() - t_s_.front());
+    const auto guess = static_cast<std::size_t>(std::clamp(share * last, 0.0, last));
+    std::size_t low = guess, high = guess + 1, step = 1;
+    while (low > 0 && t_s_[low] > t) low -= std::min(low, std::exchange(step, 2 * step));
+    for (step = 1; high < size() && !(t_s_[high] > t); step *= 2) high += step;
+    const auto begin = t_s_.begin() + static_cast<std::ptrdiff_t>(low);
+    const auto end = t_s_.begin() + static_cast<std::ptrdiff_t>(std::min(high + 1, size()));
+    return static_cast<std::size_t>(std::upper_bound(begin, end, t) - t_s_.begin());
+  }
+
   const std::vector<double>& t_s_;
   const std::vector<Vec3>&tip_, &contact_, &measured_, &rendered_;
+
+ private:
+  static std::vector<double> places_of_parts(std::size_t n) {
+    std::vector<double> places(n);
+    for (std::size_t k = 0; k < n; ++k) places[k] = std::fmod(std::numbers::phi * static_cast<double>(k), 1.0);
+    return places;
+  }
 };
 
 struct Found {

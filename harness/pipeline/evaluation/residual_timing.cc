@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "harness/stats/quantile.h"
@@ -130,21 +131,23 @@ double mean_of(const std::vector<double>& lengths) {
 }  // namespace
 
 std::optional<Found> find_lag(const ResidualSeries& r) {
-  double best_lag = 0.0, best = r.as_it_is({0, r.size()});
-  std::array<double, 2> of_half{}, least{r.as_it_is(r.halves()[0]), r.as_it_is(r.halves()[1])};
-  for (int k = -lags; k <= lags; ++k) {
-    const double lag_s = longest_lag_s * k / lags;
-    const auto repair = [&](std::size_t i) { return r.later(i, lag_s); };
-    if (const double left = r.left({0, r.size()}, repair); left < best) best = left, best_lag = lag_s;
-    for (std::size_t h = 0; h < 2; ++h) {
-      if (const double left = r.left(r.halves()[h], repair); left < least[h]) least[h] = left, of_half[h] = lag_s;
+  // The lag that leaves least, and what it leaves.
+  const auto best_of = [&](const Half& half) {
+    std::pair best{r.as_it_is(half), 0.0};
+    for (int k = -lags; k <= lags; ++k) {
+      const double lag_s = longest_lag_s * k / lags;
+      const double left = r.left(half, [&](std::size_t i) { return r.later(i, lag_s); });
+      if (left < best.first) best = {left, lag_s};
     }
-  }
-  // The same lag in both halves, within two steps of the search, and not at its end.
+    return best;
+  };
+  const auto [best, best_lag] = best_of({0, r.size()});
+  // Not at the end of the search, and the same lag in both halves within two of its steps.
   const double step = longest_lag_s / lags;
-  if (best_lag == 0.0 || std::abs(best_lag) > longest_lag_s - step || std::abs(of_half[0] - of_half[1]) > 2.5 * step)
-    return std::nullopt;
-  if (!r.gains_in_both([&](std::size_t i) { return r.later(i, best_lag); })) return std::nullopt;
+  if (best_lag == 0.0 || std::abs(best_lag) > longest_lag_s - step) return std::nullopt;
+  if (!r.gains_in_both([&, lag_s = best_lag](std::size_t i) { return r.later(i, lag_s); })) return std::nullopt;
+  const auto [first, second] = r.halves();
+  if (std::abs(best_of(first).second - best_of(second).second) > 2.5 * step) return std::nullopt;
   return Found{best, fmt::format("{:.1f} ms earlier", 1e3 * best_lag),
                fmt::format("The rendered force is {:.1f} ms {} the measured one: in step, {}. The renderer is {}, or "
                            "force and position of the recording are not of one clock.",
