@@ -141,7 +141,8 @@ class QualisysSource final : public PoseSource {
   void start() override {
     stop();
     // What still comes is of before.
-    while (fill(0.0)) {
+    const double until_s = clock_.now_s() + options_.timeout_s;
+    while (clock_.now_s() < until_s && fill(0.0)) {
       while (next()) {
       }
     }
