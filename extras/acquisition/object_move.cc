@@ -280,7 +280,7 @@ std::string ObjectMove::doubt() const {
   }
   if (unnoticed_shift_m->maxCoeff() <= matters_m)
     text += fmt::format(", and turned by {} at the touched places", size(unnoticed_m));
-  return fmt::format("half-way, the object may have moved {} of the mesh's frame without that the contacts show it{}",
+  return fmt::format("half-way, the object may have moved {} of the mesh's frame, which the contacts do not show{}",
                      text, advice);
 }
 

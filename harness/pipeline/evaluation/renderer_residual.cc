@@ -69,11 +69,9 @@ std::optional<Found> find_hysteresis(const ResidualSeries& r) {
     const double falling = product[0] / square[0], growing = product[1] / square[1];
     const double both = (product[0] + product[1]) / (square[0] + square[1]);
     const auto by_way = [&](std::size_t i) -> Vec3 { return (grows(i) ? growing : falling) * r.rendered_[i]; };
-    const bool better = std::ranges::all_of(r.halves(), [&](const Half& half) {
-      return r.left(half, by_way) <
-             kept_share * r.left(
-                              half, [&](std::size_t i) -> Vec3 { return both * r.rendered_[i]; });
-    });
+    const auto by_one = [&](std::size_t i) -> Vec3 { return both * r.rendered_[i]; };
+    const bool better = std::ranges::all_of(
+        r.halves(), [&](const Half& half) { return r.left(half, by_way) < kept_share * r.left(half, by_one); });
     const double left = r.left({0, r.size()}, by_way);
     if (!better || !(left < best.left) || !r.gains_in_both(by_way)) continue;
     best = {left, "without hysteresis", ""};

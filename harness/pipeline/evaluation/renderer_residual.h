@@ -1,9 +1,10 @@
 // What is wrong with a renderer, by what it gives beside what was measured: is its force late, filtered, held, late in
 // single samples, mirrored or with exchanged axes, larger when pressed than when released, cut at a limit, in steps, or
-// missing in single samples? Each is a model of the residual with what a repair of it gains, and is said only if it
-// gains the most and does so in both halves of the recording, with the repairs that gain nearly as much beside it. A
-// recording can have the same fault (its clocks, its axes), which the recording's own checks look for
-// (harness/recording_checks): where both are possible, both are said.
+// missing in single samples, or its contact point held? What a repair can take away is a model of the residual with
+// what the repair gains, and is said only if it gains the most and does so in both halves of the recording, with the
+// repairs that gain nearly as much beside it; the rest is seen of what was rendered. A recording can have the same
+// fault (its clocks, its axes), which the recording's own checks look for (harness/recording_checks): where both are
+// possible, both are said.
 #pragma once
 
 #include <string>

@@ -239,7 +239,7 @@ std::optional<Found> find_held_contact(const ResidualSeries& r) {
   const auto at_once = static_cast<double>(std::ranges::count(lengths, 1.0));
   const bool never = lengths.size() >= fewest_lengths && at_once <= in_a_row * static_cast<double>(lengths.size());
   if (!never && !usual_length(lengths)) return std::nullopt;
-  return Found{r.as_it_is({0, r.size()}), "",
+  return Found{0.0, "",
                fmt::format("The rendered surface contact point is held: it moves once in {:.3g} samples{}, and the "
                            "force drags along the surface until then.",
                            mean_of(lengths), never ? " in the mean and never at two in a row" : "")};
