@@ -36,6 +36,7 @@ TWO = (('coulomb-friction', 'stress-relaxation'), ('force-crosstalk', 'normal-da
        ('force-bias', 'hunt-crossley'), ('gain-drift', 'coulomb-friction'), ('two-materials', 'force-crosstalk'),
        ('viscous-friction', 'stress-relaxation'), ('power-law-stiffness', 'force-drift'))
 UNKNOWN = ('plastic', 'hum', 'second-layer', 'suction', 'grain')
+STUDENT_9 = {50: .7027, 68: 1.0526, 80: 1.3830, 90: 1.8331, 95: 2.2622, 99: 3.2498}  # two-sided quantiles, 9 degrees of freedom
 LIMITS = {'one named first': .9, 'nothing missing: not named': .95, 'unknown: flagged': .95, 'intervals that cover': .93}
 
 
@@ -359,6 +360,11 @@ def table(rows):
     say('intervals that cover', [one[1] for one in covers])
     for family in sorted({one[0] for one in covers}):
         print('    %-40s %s' % (family, share([one[1] for one in covers if one[0] == family])))
+    # Each interval as it would be at another level: its two halves by Student's t of ten simulated recordings.
+    closed = [(abs(true - value) / max(1e-300, high - value if true > value else value - low))
+              for _, _, true, value, low, high in covers if np.isfinite(high - low)]
+    print('    of %d closed intervals at the level of %s' % (len(closed), ', '.join(
+        '%d %%: %.0f %%' % (level, 100 * np.mean(np.array(closed) <= t / STUDENT_9[95])) for level, t in STUDENT_9.items()) if closed else '-'))
     s = np.array([r['seconds'] for c, r in rows])
     print('seconds: median %.1f, 95 %% %.1f, most %.1f' % (np.median(s), np.percentile(s, 95), s.max()))
     return rates
