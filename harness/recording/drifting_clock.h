@@ -31,7 +31,7 @@ class DriftingClock {
     [[nodiscard]] double rate_Hz() const;
     // By how much the rate changed from the first number to the last, as a part of it.
     [[nodiscard]] double rate_change() const;
-    // Largest of the least delays of 16 equal stretches against this axis (ArrivalDelays::floor_s).
+    // Largest of the least delays of 16 equal stretches against this axis.
     double floor_s = 0.0;
   };
   // At least two samples.

@@ -1,9 +1,5 @@
 #include "harness/recording/envelope_clock.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace touchstone::recording {
 
 void EnvelopeClock::add(std::uint64_t number, double arrival_s) {
@@ -27,30 +23,6 @@ EnvelopeClock::Line EnvelopeClock::line() const {
   while (right + 1 < hull_.size() && static_cast<double>(hull_[right].number - first_) < mean_from_first_) ++right;
   const Corner &a = hull_[right - 1], &b = hull_[right];
   return {(b.arrival_s - a.arrival_s) / static_cast<double>(b.number - a.number), a.number, a.arrival_s};
-}
-
-ArrivalDelays::ArrivalDelays(const EnvelopeClock::Line& line, std::uint64_t first_number, std::uint64_t last_number)
-    : line_(line), first_(first_number), span_(last_number - first_number + 1) {
-  least_s_.fill(std::numeric_limits<double>::infinity());
-}
-
-void ArrivalDelays::add(std::uint64_t number, double arrival_s) {
-  const double delay = arrival_s - line_.at(number);
-  ++count_;
-  sum_s_ += delay;
-  worst_s_ = std::max(worst_s_, delay);
-  const auto stretch = static_cast<std::size_t>(static_cast<double>(number - first_) / static_cast<double>(span_) *
-                                                static_cast<double>(stretches));
-  double& least = least_s_[std::min(stretch, stretches - 1)];
-  least = std::min(least, delay);
-}
-
-double ArrivalDelays::floor_s() const noexcept {
-  double floor = 0.0;
-  for (const double least : least_s_) {
-    if (std::isfinite(least)) floor = std::max(floor, least);
-  }
-  return floor;
 }
 
 }  // namespace touchstone::recording

@@ -6,7 +6,6 @@
 // measurements", INFOCOM 1999. The hull is kept point by point, in memory that grows with its corners only.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -41,27 +40,6 @@ class EnvelopeClock {
   std::uint64_t samples_ = 0;
   std::uint64_t first_ = 0;
   double mean_from_first_ = 0.0;
-};
-
-// How late arrivals were against such a line, in a second pass.
-class ArrivalDelays {
- public:
-  ArrivalDelays(const EnvelopeClock::Line& line, std::uint64_t first_number, std::uint64_t last_number);
-  void add(std::uint64_t number, double arrival_s);
-
-  [[nodiscard]] double mean_s() const noexcept { return count_ > 0 ? sum_s_ / static_cast<double>(count_) : 0.0; }
-  [[nodiscard]] double worst_s() const noexcept { return worst_s_; }
-  // Where the clock drifts, no straight line touches the arrivals everywhere: the largest of the least delays of 16
-  // equal stretches. The time axis is uncertain by about this much.
-  [[nodiscard]] double floor_s() const noexcept;
-
- private:
-  static constexpr std::size_t stretches = 16;
-  EnvelopeClock::Line line_;
-  std::uint64_t first_, span_;
-  std::uint64_t count_ = 0;
-  double sum_s_ = 0.0, worst_s_ = 0.0;
-  std::array<double, stretches> least_s_;
 };
 
 }  // namespace touchstone::recording

@@ -94,18 +94,5 @@ TEST(EnvelopeClock, HoldsTheTimeAxisOfDisturbedRuns) {
   }
 }
 
-TEST(ArrivalDelays, SayWhereAStraightLineDoesNotFit) {
-  std::vector<Arrival> arrivals;
-  for (std::uint64_t i = 0; i < 10000; ++i) {
-    const auto x = static_cast<double>(i) / 10000;
-    arrivals.push_back({i, 10 * x - 0.01 * std::pow(2 * x - 1, 2)});  // a clock that drifts by 10 ms in the middle
-  }
-  const auto line = line_of(arrivals);
-  ArrivalDelays delays(line, 0, 9999);
-  for (const auto& a : arrivals) delays.add(a.number, a.t_s);
-  EXPECT_NEAR(delays.worst_s(), 0.01, 1e-5);
-  EXPECT_GT(delays.floor_s(), 0.009);
-}
-
 }  // namespace
 }  // namespace touchstone::recording
