@@ -117,17 +117,21 @@ bool is_floor(const VerdictGate& gate) {
   return gate.code == repeats || gate.code == tolerance || gate.code == noticed;
 }
 
-// The floor within which what the first gate accuses does not matter; "" if there is none.
-std::string_view acquitted_by(const Findings& findings, const std::vector<VerdictGate>& gates) {
+// The floor that what is left is within; "" if there is none. What the user said comes first.
+std::string_view floor_that_holds(const Findings& findings, const std::vector<VerdictGate>& gates) {
   const auto passes = [&](std::string_view code) {
     return std::ranges::any_of(gates, [&](const VerdictGate& g) { return g.code == code && g.passed; });
   };
-  if (!passes("data-fault")) return "";
   if (passes(tolerance)) return within_tolerance;
   if (findings.gap.unnoticed_passes && passes(noticed)) return not_noticed;
-  // A line stands out of the noise of every recording, and a value is no easier to believe.
-  if (passes(repeats) && passes("line-left") && findings.search.questions.empty()) return within_repeat;
-  return "";
+  return passes(repeats) ? within_repeat : "";
+}
+
+// What no floor acquits of; a line stands out of the noise of every repeat, too, and there a value is no easier to
+// believe.
+bool stays(const VerdictGate& gate, std::string_view floor) {
+  if (floor.empty() || gate.code == "data-fault" || gate.code == "indistinguishable") return true;
+  return floor == within_repeat && (gate.code == "line-left" || gate.code == "value-questioned");
 }
 
 }  // namespace
@@ -143,15 +147,18 @@ std::vector<VerdictGate> verdict_gates(const Findings& findings) {
 
 std::pair<FindingsVerdict, std::string_view> decide(const Findings& findings, const std::vector<VerdictGate>& gates) {
   const bool found = !findings.search.found.empty();
-  const auto failed = std::ranges::find_if(gates, [](const VerdictGate& g) { return !g.passed && !is_floor(g); });
-  if (failed == gates.end()) {
-    if (found) return {FindingsVerdict::explained, "effects-explain"};
-    return {FindingsVerdict::consistent, "nothing-missing"};
+  const std::string_view floor = floor_that_holds(findings, gates);
+  bool acquitted = false;
+  for (const VerdictGate& gate : gates) {
+    if (gate.passed || is_floor(gate)) continue;
+    acquitted = true;
+    if (!stays(gate, floor)) continue;
+    return {gate.code == "indistinguishable" ? FindingsVerdict::not_identifiable : FindingsVerdict::unexplained,
+            gate.code};
   }
-  if (failed->code == "indistinguishable") return {FindingsVerdict::not_identifiable, failed->code};
-  const std::string_view acquitted = acquitted_by(findings, gates);
-  if (acquitted.empty()) return {FindingsVerdict::unexplained, failed->code};
-  return {found ? FindingsVerdict::explained : FindingsVerdict::consistent, acquitted};
+  if (acquitted) return {found ? FindingsVerdict::explained : FindingsVerdict::consistent, floor};
+  if (found) return {FindingsVerdict::explained, "effects-explain"};
+  return {FindingsVerdict::consistent, "nothing-missing"};
 }
 
 }  // namespace touchstone::discrepancy

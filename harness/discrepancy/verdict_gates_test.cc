@@ -128,6 +128,13 @@ TEST(VerdictGates, AToleranceAcquitsAndNeverAccuses) {
     EXPECT_EQ(judged(asked(0.3)).code, may ? "not-noticed" : one.code);
     EXPECT_EQ(judged(asked(1.3)).code, one.code);
     EXPECT_EQ(judged(asked(std::numeric_limits<double>::quiet_NaN())).code, one.code);
+    // What a floor acquits of hides nothing that it does not.
+    Findings both = passing();
+    one.spoil(both);
+    failures()[6].spoil(both);
+    both.gap.tolerance_N = both.gap.repeat_floor_N = 0.5;
+    conclude(both, {});
+    EXPECT_EQ(both.code, one.code == "data-fault" ? one.code : failures()[6].code);
   }
   Findings beyond = passing();
   beyond.gap.tolerance_N = 0.01;
