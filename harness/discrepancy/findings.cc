@@ -61,7 +61,14 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
       interval.low = std::min(interval.low, as_read->parameters.at(declared.name));
       interval.high = std::max(interval.high, as_read->parameters.at(declared.name));
     }
-    FoundParameter parameter{declared.name, declared.unit, value->second, interval.low, interval.high, false, ""};
+    // More than noise is left, and the interval wider than the values that there are.
+    FoundParameter parameter{declared.name,
+                             declared.unit,
+                             value->second,
+                             std::max(interval.low, declared.minimum),
+                             std::min(interval.high, declared.maximum),
+                             false,
+                             ""};
     if (search.intervals_cut_short) parameter.undetermined = "no time was left for its interval";
     for (const Undetermined& one : search.undetermined) {
       if (one.effect == candidate.name && one.parameter == declared.name) parameter.undetermined = one.why;
@@ -72,11 +79,23 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
     }
     for (std::size_t i = 0; i < search.parameters.size(); ++i) {
       const FreeParameter& free = search.parameters[i];
-      if (free.owner == candidate.name && free.name == declared.name) parameter.at_bound = search.fit.at_bound[i];
+      if (free.owner != candidate.name || free.name != declared.name) continue;
+      parameter.at_bound = search.fit.at_bound[i];
+      if (free.logarithmic || !parameter.undetermined.empty()) continue;
+      const bool nothing = parameter.low95 <= declared.initial && declared.initial <= parameter.high95;
+      parameter.size = nothing ? FoundParameter::Size::may_be_nothing : FoundParameter::Size::sure;
     }
     found.push_back(parameter);
   }
   return found;
+}
+
+bool may_be_nothing(const std::vector<FoundParameter>& parameters) {
+  using Size = FoundParameter::Size;
+  const auto has = [&](Size size) {
+    return std::ranges::find(parameters, size, &FoundParameter::size) != parameters.end();
+  };
+  return has(Size::may_be_nothing) && !has(Size::sure);
 }
 
 std::string names(const std::vector<FoundEffect>& found) {
@@ -143,7 +162,7 @@ void say_floors(Findings& findings) {
         fmt::format(" The held-out error of {:.4g} N is {} the tolerance of {:.4g} N.", gap.holdout_after_N,
                     gap.holdout_after_N <= *gap.tolerance_N ? "within" : "beyond", *gap.tolerance_N);
   }
-  if (!gap.left_jnd || !std::isfinite(*gap.left_jnd)) return;
+  if (!gap.left_jnd) return;
   const bool more_than_noise = findings.code != "nothing-missing" && findings.code != "effects-explain";
   if (more_than_noise || gap.unnoticed_passes) {
     findings.explanation += fmt::format(
@@ -215,6 +234,14 @@ void say_what_is_open(Findings& findings) {
         " The held-out data contradict {}: without it their chi-squared is lower by {:.0f} +- {:.0f}. It was chosen on "
         "other data and stays in the model.",
         effect.name, -effect.holdout_gain, effect.holdout_error);
+  }
+  for (std::size_t e = 0; e < search.found.size(); ++e) {
+    if (!may_be_nothing(findings.parameters[e])) continue;
+    findings.explanation += fmt::format(
+        " {} may be none: while so much is left that noise does not explain, the interval of its size holds that, and "
+        "it "
+        "may only make up for what is missing.",
+        search.found[e].name);
   }
   for (const Undetermined& one : search.undetermined) {
     findings.explanation += fmt::format(" {} of {} is not determined: {}.", one.parameter, one.effect, one.why);

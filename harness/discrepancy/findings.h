@@ -1,6 +1,7 @@
 // What the search found, in words and numbers: the verdict, and the file findings.json ("touchstone-findings/1").
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,6 +56,8 @@ struct FoundParameter {
   double high95 = 0.0;  // infinite: open
   bool at_bound = false;
   std::string undetermined;  // why the recording does not determine it; empty: it does
+  // It says how much of the effect there is, and its interval holds the value at which there is none of it.
+  enum class Size : std::uint8_t { none, sure, may_be_nothing } size = Size::none;
 };
 
 struct Findings {

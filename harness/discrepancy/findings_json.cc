@@ -101,6 +101,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
       item["interval95"] = {number(parameter.low95), number(parameter.high95)};
       if (parameter.at_bound) item["at_bound"] = true;
       if (!parameter.undetermined.empty()) item["undetermined"] = parameter.undetermined;
+      if (parameter.size == FoundParameter::Size::may_be_nothing) item["may_be_nothing"] = true;
       entry["parameters"].push_back(std::move(item));
     }
     entry["evidence"] = {{"validation_chi_squared_gain", number(effect.validation_gain)},

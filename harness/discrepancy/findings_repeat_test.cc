@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "harness/discrepancy/findings.h"
 #include "harness/discrepancy/time_budget.h"
@@ -197,6 +198,39 @@ TEST(FindingsRepeat, WithoutARepeatNothingIsSaidOfOne) {
   EXPECT_EQ(f.verdict, FindingsVerdict::unexplained);
   EXPECT_THAT(f.explanation, Not(HasSubstr("repeat")));
   EXPECT_THAT(findings_to_json(f, ""), Not(HasSubstr("repeat_floor")));
+}
+
+// A coefficient of 1 N s/m of which the fit's covariance knows the standard deviation.
+FoundParameter fitted_coefficient(double deviation, std::string* explanation) {
+  const std::string damping = "normal-damping";
+  const std::string name = "coefficient_N_s_per_m";
+  Findings f = left_over(0.12);
+  f.search.found = {effect(damping)};
+  f.search.model.effects = {{damping, {{name, 1.0}}, "/found", {}, {}}};
+  f.search.fit.model = f.search.model;
+  f.search.fit.u = Eigen::VectorXd::Constant(1, 1.0);
+  f.search.fit.covariance = Eigen::MatrixXd::Constant(1, 1, deviation * deviation);
+  f.search.fit.at_bound = {false};
+  f.search.parameters = {linear_parameter(damping, name, 1.0, 0.0, 1e4)};
+  conclude(f, {{damping, rendering::Side::contact, {{name, "N s/m", 0.0, 1e4, 0.0, "b"}}}});
+  *explanation = f.explanation;
+  EXPECT_EQ(
+      nlohmann::json::parse(findings_to_json(f, ""))["effects"][0]["parameters"][0].value("may_be_nothing", false),
+      f.parameters[0][0].size == FoundParameter::Size::may_be_nothing);
+  return f.parameters[0][0];
+}
+
+TEST(FindingsIntervals, EndWhereTheValuesDoAndSayThatNothingIsInThem) {
+  std::string said;
+  const FoundParameter sure = fitted_coefficient(0.1, &said);
+  EXPECT_NEAR(sure.low95, 1.0 - 0.196, 1e-3);
+  EXPECT_EQ(sure.size, FoundParameter::Size::sure);
+  EXPECT_THAT(said, Not(HasSubstr("may be none")));
+  const FoundParameter wide = fitted_coefficient(2.0, &said);
+  EXPECT_EQ(wide.low95, 0.0);
+  EXPECT_NEAR(wide.high95, 1.0 + 3.92, 1e-2);
+  EXPECT_EQ(wide.size, FoundParameter::Size::may_be_nothing);
+  EXPECT_THAT(said, HasSubstr("normal-damping may be none"));
 }
 
 }  // namespace

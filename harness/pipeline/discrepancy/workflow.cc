@@ -308,7 +308,8 @@ DiscrepancyAnswer run_discrepancy(const Catalogue& catalogue, const DiscrepancyF
   findings.shares = merge_inseparable(share_gap(measured.on, findings.search.start, findings.search.model));
   const Prediction before = measured.on.predictor->predict(model);
   const Prediction after = measured.on.predictor->predict(findings.search.model);
-  findings.gap.left_jnd = left_in_jnd(measured.on, after);
+  // Of forces that nobody feels there is none.
+  if (const double jnd = left_in_jnd(measured.on, after); std::isfinite(jnd)) findings.gap.left_jnd = jnd;
   findings.where = sort_by_regime(measured.on, before, after, data.force_floor_N);
   findings.next = next_experiment(findings.search, data, make, instrument);
   findings.instrument_declared = instrument.declared;
