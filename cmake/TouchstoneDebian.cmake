@@ -24,7 +24,7 @@ set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME touchstone)
 # Loaded when a command needs them (ARCHITECTURE.md), so that no linker knows of them. Nothing is checked without checksums.
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libssl3, libmuparser2v5")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libssl3, libmuparser2v5, libarchive13")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libcurl4, libusb-1.0-0, libcomedi0, gnuplot-nox | gnuplot, git")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtouchstone-dev)
@@ -43,7 +43,7 @@ set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-touchstone)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 # The plug-in that runs renderers written in Python links libpython3.11, which dpkg-shlibdeps finds.
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "touchstone (= ${PROJECT_VERSION}), python3 (>= 3.11), python3 (<< 3.12), python3-numpy, libssl3")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "touchstone (= ${PROJECT_VERSION}), python3 (>= 3.11), python3 (<< 3.12), python3-numpy, libssl3, libarchive13")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib")
 # The conformance program, for pytest --touchstone.
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "libtouchstone-dev, python3-pytest, jupyter-notebook")
