@@ -279,10 +279,18 @@ class ClockSteps : public ::testing::Test {
   // Makes the rigs and records them, again where the machine was too busy to read all in time; empty if it always was.
   std::optional<MultiReport> record_in_time(const std::function<std::vector<Rig>()>& make, std::vector<Rig>& rigs,
                                             std::uint64_t half, const std::function<void()>& step) {
-    for (int i = 0; i < most_tries; ++i) {
-      rigs = make();
-      MultiReport report = record(rigs, half, sent_by(rigs[0]), step);
-      if (waited_s_ < longest_wait_s) return report;
+    for (int i = 1; i <= most_tries; ++i) {
+      try {
+        rigs = make();
+        MultiReport report = record(rigs, half, sent_by(rigs[0]), step);
+        // Nor has it sent all that its rate says, which the recording says of it.
+        const auto starved = [](const std::string& problem) { return problem.find("are stated") != std::string::npos; };
+        const bool again = i < most_tries && std::ranges::any_of(report.problems(), starved);
+        if (waited_s_ < longest_wait_s && !again) return report;
+      } catch (const Error&) {
+        // A device that gets no processor is late; one that is broken is that each time.
+        if (i == most_tries) throw;
+      }
     }
     return std::nullopt;
   }
