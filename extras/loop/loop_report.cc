@@ -83,7 +83,7 @@ Value value_of(const std::vector<double>& series, double factor) {
 
 Section pictures(const LoopEvaluation& evaluation) {
   const MassRun& worst = evaluation.worst();
-  const LoopTrace &run = worst.run, &ideal = worst.ideal, &open = evaluation.open;
+  const LoopTrace &run = worst.run, &ideal = worst.ideal, &open = worst.open;
   Section section{"Over time", "", {}, false};
   const double at_s = worst.judgement.verdict == Verdict::stable && worst.judgement.kick_N > 0.0
                           ? worst.judgement.kick_at_s

@@ -278,7 +278,7 @@ void add_tool(CLI::App& program, apps::Run& run) {
   auto* const replay = command->add_subcommand("replay", "Run one renderer over poses of the handle as they are");
   auto replay_options = std::make_shared<ToolReplayOptions>();
   replay->add_option("--renderer", replay_options->renderer, "See `touchstone tool list`")->required();
-  replay_options->tool.add_to(*replay);
+  replay_options->tool.add_to(*replay)->required();
   replay->add_option("--object", replay_options->object_mesh, "Closed mesh of the object")->required();
   replay
       ->add_option("--mesh-unit", replay_options->tool.unit,

@@ -64,7 +64,7 @@ void add_fit(CLI::App& tool_command, apps::Run& run) {
                   "about the handle, axes of the object)")
       ->required();
   fit->add_option("--renderer", options->renderer, "See `touchstone tool list`")->required();
-  options->tool.add_to(*fit);
+  options->tool.add_to(*fit)->required();
   fit->add_option("--object", options->object_mesh, "Closed mesh of the object")->required();
   fit->add_option("--mesh-unit", options->tool.unit, "Unit of both meshes' coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();

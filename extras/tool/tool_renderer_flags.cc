@@ -32,14 +32,14 @@ ToolSettings ToolRendererFlags::settings_of(const ToolRendererEntry& entry,
   return {coupling, own_values(named_values("--parameter", parameters), entry, run)};
 }
 
-void ToolShapeFlags::add_to(CLI::App& command) {
-  command
-      .add_option("--tool", file,
-                  "The tool in its own frame, origin at the handle: a closed mesh (OBJ, OFF, PLY or STL), or points "
-                  "(CSV: x_m, y_m, z_m and the outward normal nx, ny, nz) for renderers that sample")
-      ->required();
+CLI::Option* ToolShapeFlags::add_to(CLI::App& command) {
+  CLI::Option* const shape =
+      command.add_option("--tool", file,
+                         "The tool in its own frame, origin at the handle: a closed mesh (OBJ, OFF, PLY or STL), or "
+                         "points (CSV: x_m, y_m, z_m and the outward normal nx, ny, nz) for renderers that sample");
   command.add_option("--tool-mass", mass_kg, "kg; default: of a mesh filled with water, of points 0.1")
       ->check(CLI::PositiveNumber);
+  return shape;
 }
 
 Tool ToolShapeFlags::load() const {

@@ -30,8 +30,8 @@ struct ToolShapeFlags {
   std::string file, unit = "m";
   double mass_kg = 0.0;  // 0: that of the shape
 
-  // --tool and --tool-mass; `unit` is set by the command's own flag, which also is the object's.
-  void add_to(CLI::App& command);
+  // --tool, which is returned, and --tool-mass; `unit` is set by the command's own flag, which also is the object's.
+  CLI::Option* add_to(CLI::App& command);
 
   // A mesh filled with water, or with what makes the mass that is given; or a table of points (tool_points.h). Throws
   // BadData for a file that is neither.

@@ -13,8 +13,10 @@
 // renderer is stable with is no renderer's fault.
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/rendering/catalogue.h"
@@ -51,6 +53,8 @@ AtlasAnswer atlas_answer(const rendering::Catalogue& catalogue, const rendering:
                          rendering::Model model, const AtlasCase& where, const LoopSetup& setup,
                          const perception::Thresholds& thresholds);
 
+inline constexpr std::array<std::string_view, 4> kAtlasFindings{"unstable-below-limit", "buzz-at-edges",
+                                                                "buzz-with-friction", "kick"};
 struct AtlasFinding {
   std::string name;
   std::vector<std::string> where;  // the cases, the worst first

@@ -66,7 +66,6 @@ Judgement judge_loop(rendering::Renderer& renderer, const MotionColumns& path, c
 LoopEvaluation evaluate_loop(rendering::Renderer& renderer, const MotionColumns& path, const LoopSetup& setup,
                              const perception::Thresholds& thresholds) {
   LoopEvaluation out;
-  out.open = run_open(renderer, path, setup.parameters);
   double simulated_s = 0.0, elapsed_s = 0.0;
   std::vector<Verdict> verdicts;
   for (const double mass_kg : setup.device_masses_kg) {
@@ -81,6 +80,7 @@ LoopEvaluation evaluate_loop(rendering::Renderer& renderer, const MotionColumns&
     run.judgement = judge(runs, thresholds);
     run.run = std::move(runs.run);
     run.ideal = std::move(runs.ideal);
+    run.open = std::move(runs.open);
     run.stable_margin = margin_of(renderer, path, own, run.judgement.verdict, thresholds);
     verdicts.push_back(run.judgement.verdict);
     out.runs.push_back(std::move(run));

@@ -14,7 +14,7 @@ namespace touchstone::servo {
 // With one mass of the device.
 struct MassRun {
   double device_mass_kg = 0.0;
-  LoopTrace run, ideal;
+  LoopTrace run, ideal, open;
   Judgement judgement;
   // The renderer's force may become this many times as large before the verdict is no longer stable; of one that is
   // not stable, what it must be multiplied with to become so. To 3 %, between 1/1024 and 1024; 0: below that.
@@ -23,7 +23,6 @@ struct MassRun {
 
 struct LoopEvaluation {
   std::vector<MassRun> runs;  // ascending mass
-  LoopTrace open;             // the renderer alone over the path
   Verdict verdict = Verdict::cannot_tell;
   std::string sentence;
   double stable_margin = 0.0;     // the smallest of the runs'

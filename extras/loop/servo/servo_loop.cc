@@ -102,6 +102,7 @@ class Servo {
 
   struct Answer {
     Vec3 f_W_N = Vec3::Zero();
+    Vec3 contact_W_m = Vec3::Zero();
     bool contact = false;
     bool limited = false;
   };
@@ -114,7 +115,7 @@ class Servo {
       throw BadData(fmt::format("the renderer broke down in the loop at {} s: {}", t_s,
                                 why.empty() ? "its force is not finite" : why));
     }
-    Answer out{own_.force_gain * result.f_W_N, result.contact, false};
+    Answer out{own_.force_gain * result.f_W_N, result.contact_W_m, result.contact, false};
     if (result.contact && own_.virtual_damping_N_s_per_m > 0.0) {
       out.f_W_N -= own_.virtual_damping_N_s_per_m * v_W.dot(result.n_W) * result.n_W;
     }
@@ -239,6 +240,7 @@ class Loop {
     trace.t_s.push_back(t_s);
     trace.intended_W_m.push_back(intended_W_m);
     trace.tip_W_m.push_back(tip_W_m);
+    trace.contact_W_m.push_back(answer.contact_W_m);
     trace.commanded_W_N.push_back(answer.f_W_N);
     trace.felt_W_N.push_back(felt_W_N);
     trace.contact.push_back(answer.contact ? 1 : 0);
@@ -298,6 +300,7 @@ LoopTrace run_open(rendering::Renderer& renderer, const MotionColumns& path, con
     trace.t_s.push_back(places.t_s(k));
     trace.intended_W_m.push_back(place.p_W_m);
     trace.tip_W_m.push_back(place.p_W_m);
+    trace.contact_W_m.push_back(answer.contact_W_m);
     trace.commanded_W_N.push_back(answer.f_W_N);
     trace.contact.push_back(answer.contact ? 1 : 0);
   }

@@ -45,6 +45,7 @@ struct LoopTrace {
   std::vector<double> t_s;
   std::vector<Vec3> intended_W_m;
   std::vector<Vec3> tip_W_m;        // where the device is
+  std::vector<Vec3> contact_W_m;    // the renderer's surface contact point
   std::vector<Vec3> commanded_W_N;  // the renderer's force with damping and limit
   std::vector<Vec3> felt_W_N;       // on the hand by the device
   std::vector<unsigned char> contact;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -192,6 +193,7 @@ LoopRuns run_for_judgement(rendering::Renderer& renderer, const MotionColumns& p
   out.real_time_factor = static_cast<double>(out.run.size()) * parameters.period_s / std::max(elapsed_s, 1e-9);
   out.too_slow = out.real_time_factor < kLeastRealTime && elapsed_s > kTimedFrom_s;
   if (out.too_slow) return out;
+  out.open = run_open(renderer, path, parameters);
   out.ideal = run_ideal_loop(renderer, path, parameters);
   return out;
 }
@@ -203,7 +205,7 @@ void run_encoder(LoopRuns& runs, rendering::Renderer& renderer, const MotionColu
 }
 
 Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, double settling_s) {
-  const LoopTrace &run = runs.run, &ideal = runs.ideal;
+  const LoopTrace &run = runs.run, &ideal = runs.ideal, &open = runs.open;
   Judgement out;
   out.real_time_factor = runs.real_time_factor;
   out.too_slow = runs.too_slow;
@@ -215,13 +217,16 @@ Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, 
   const std::size_t settling = samples(settling_s), length = samples(kWindow_s), onset = samples(kOnset_s);
 
   std::size_t judged = 0, limited = 0;
+  std::size_t after_last = 0;
   Lost lost;
   for (const Stretch& contact : contacts(ideal, size)) {
     std::size_t at = contact.begin, ideal_at = contact.begin;
     const std::size_t kick_end = std::min(contact.begin + onset, size);
     const double expected_N = largest_N(ideal.felt_W_N, contact.begin, kick_end, ideal_at);
     const double kick_N = largest_N(run.felt_W_N, contact.begin, kick_end, at) - expected_N;
-    if (contact.begin > 0 && kick_N > out.kick_N) {
+    const auto since_last = std::span(open.contact).subspan(after_last, contact.begin - after_last);
+    after_last = contact.end;
+    if (std::ranges::find(since_last, 0) != since_last.end() && kick_N > out.kick_N) {
       out.kick_N = kick_N;
       out.kick_jnd = kick_N / std::max(thresholds.force.just_noticeable_difference(expected_N),
                                        thresholds.force.absolute_threshold);

@@ -11,7 +11,9 @@
 //   dies away is ringing.
 // - unstable: the tip is still thrown out of contact again and again in the second half of the stretch, or leaves the
 //   workspace.
-// - kick: the largest force on the hand within 64 ms of a contact's beginning, beyond the largest of the ideal run.
+// - kick: the largest force on the hand within 64 ms of the first contact since the hand last meant to be in the air,
+//   beyond the largest of the ideal run. Where it meant to be says the renderer over the path itself. Later contacts of
+//   the same press are bounces.
 #pragma once
 
 #include <cstdint>
@@ -55,6 +57,7 @@ struct Judgement {
 
 struct LoopRuns {
   LoopTrace run, ideal;
+  LoopTrace open;                 // the renderer alone over the path
   LoopTrace stepped;              // ideal but for the encoder's steps; empty if the device reads exact positions
   double real_time_factor = 0.0;  // of `run`: simulated over elapsed time, on this machine
   // A step takes more than half of a period, in a run of more than half a second: beside a device and its driver the
