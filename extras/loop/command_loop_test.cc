@@ -52,20 +52,30 @@ TEST_F(LoopCommand, ASoftWallIsStableAndAStiffOneIsNot) {
   EXPECT_LT(result("stiff").at("stable_margin").get<double>(), 1.0);
 }
 
-// A wall that is judged stable and one that lost the device's damping: the same test passes, and fails by name.
-TEST_F(LoopCommand, LimitsFailATestAndFiguresGoToCtest) {
-  const std::string held = std::string(
-                               "--device touch --grip light --out r --ctest --least-margin 1.5 --most-buzz 0.05 "
-                               "--most-energy 0.01 ") +
-                           kExact;
-  const Outcome right = loop("soft.json", held);
-  EXPECT_EQ(right.status, 0) << right.out;
-  for (const char* const name : {"stable_margin", "buzz_N", "energy_J"})
-    EXPECT_THAT(right.out, HasSubstr(fmt::format("name=\"{}\"", name)));
-  const Outcome changed = loop("soft.json", held + " --set latency_s=0.02");
-  EXPECT_EQ(changed.status, 1) << changed.out;
-  EXPECT_THAT(changed.out, HasSubstr("--least-margin 1.5 does not hold"));
-  EXPECT_EQ(loop("soft.json", std::string("--out r --most-buzz nan ") + kExact).status, 1);
+// A ball of 30 mm on another one: the contact is not below the handle, and its force turns the tool.
+TEST_F(LoopCommand, AToolWithAShapeIsHeldByItsHandle) {
+  ASSERT_EQ(run("synth --surface sphere --triangles 500 --out ball.obj").status, 0);  // of 30 mm
+  write_file(folder_ / "over.csv",
+             "t_s,x_m,y_m,z_m\n0,0.01,0,0.063\n0.4,0.01,0,0.052\n1.4,0.012,0,0.052\n1.6,0.012,0,0.063\n");
+  const std::string words = std::string("loop --tool ball.obj --mesh ball.obj --path over.csv ") + kExact;
+  const Outcome held = run(words + " --renderer god-object-tool --stiffness 300 --out tool");
+  ASSERT_EQ(held.status, 0) << held.err;
+  EXPECT_THAT(held.out, HasSubstr("not fed to the hand: the torque about the handle"));
+  EXPECT_EQ(result("tool").at("verdict"), "stable");
+  EXPECT_GT(result("tool").at("torque").at("largest_Nm").get<double>(), 0.0);
+  EXPECT_EQ(run(words + " --renderer god-object-tol --out none").status, 2);
+  EXPECT_EQ(run(words + " --out none").status, 2);
+  EXPECT_EQ(run(words + " --renderer god-object-tool --model soft.json --out none").status, 2);
+  EXPECT_EQ(loop("soft.json", "--renderer god-object-tool --out none").status, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none"));
+}
+
+TEST_F(LoopCommand, WhatIsRenderedIsAFileLikeThatOfAReplay) {
+  ASSERT_EQ(loop("soft.json", std::string("--out r --rendered one.csv ") + kExact).status, 0);
+  ASSERT_EQ(loop("soft.json", std::string("--out r --rendered two.csv ") + kExact).status, 0);
+  EXPECT_EQ(run("compare one.csv two.csv").status, 0);
+  ASSERT_EQ(loop("soft.json", std::string("--out r --rendered two.csv --set damping_N_s_per_m=1 ") + kExact).status, 0);
+  EXPECT_EQ(run("compare one.csv two.csv").status, 1);
 }
 
 TEST_F(LoopCommand, RepeatsToTheByteButForTheTimeThatItTook) {
@@ -182,6 +192,10 @@ TEST_F(LoopCommand, TheAtlasNamesWhatIsFelt) {
   EXPECT_EQ(same.status, 0) << same.out;
   EXPECT_THAT(same.out, HasSubstr("buzzes"));
   EXPECT_EQ(run("loop atlas --renderer spring-quadratic --case 'passive plane'").status, 77);
+  const Outcome vain = run("loop atlas --renderer god-object --case 'passive plane' --allow kick");
+  EXPECT_EQ(vain.status, 0) << vain.out;
+  EXPECT_THAT(vain.out, HasSubstr("allowed and not found: kick"));
+  EXPECT_EQ(run("loop atlas --allow kicks").status, 2);
   EXPECT_EQ(run("loop atlas --renderer god-objekt").status, 2);
   EXPECT_EQ(run("loop atlas --case cube").status, 2);
 }
