@@ -1,6 +1,8 @@
-// What this program knows: the renderers of renderers/, the surfaces and motions of synthetic/.
+// What this program knows: the renderers of renderers/, the surfaces and motions of synthetic/, and the extra that
+// closes loops.
 #pragma once
 
+#include "apps/extras.h"
 #include "harness/golden/catalogues.h"
 #include "renderers/catalogue.h"
 #include "synthetic/generators.h"
@@ -8,7 +10,9 @@
 namespace touchstone::apps {
 
 inline golden::Catalogues built_in_catalogues() {
-  return {renderers::built_in_catalogue(), synthetic::built_in_generators()};
+  const auto loop = find_extra("loop");
+  return {renderers::built_in_catalogue(), synthetic::built_in_generators(),
+          loop ? loop->program : std::filesystem::path()};
 }
 
 }  // namespace touchstone::apps

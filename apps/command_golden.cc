@@ -4,6 +4,7 @@
 #include "apps/commands.h"
 #include "apps/golden_options.h"
 #include "harness/base/error.h"
+#include "harness/base/named_values.h"
 #include "harness/golden/acceptance.h"
 #include "harness/golden/case_runner.h"
 #include "harness/golden/golden_file.h"
@@ -60,12 +61,19 @@ ExitStatus accept(const GoldenCommandOptions& options) {
 struct NewCaseOptions {
   GoldenOptions golden;
   golden::NewCase made;
-  std::vector<std::string> models;
+  std::vector<std::string> models, set;
+  golden::CaseLoop loop{"", "light", {}, 1};
 };
 
 ExitStatus new_case(const NewCaseOptions& options) {
   golden::NewCase wanted = options.made;
   wanted.models.assign(options.models.begin(), options.models.end());
+  if (!options.loop.device.empty()) {
+    wanted.loop = options.loop;
+    wanted.loop->set = named_values("--set", options.set);
+  } else if (!options.set.empty()) {
+    throw UsageError("--set: of a device; give --device too");
+  }
   // Into the repository's own folder, which need not be there yet; never beside the bundled cases.
   const std::filesystem::path folder = golden::own_golden_folder(options.golden.golden);
   const golden::ChangeModel change = options.golden.change_model();
@@ -110,6 +118,11 @@ void add_new_case(CLI::App& golden_command, Run& run) {
   command->add_option("--model", options->models, "Model files (touchstone-model/1); may be given several times")
       ->required();
   command->add_option("--summary", options->made.summary, "One line on what the case shows");
+  command->add_option("--device", options->loop.device,
+                      "Close the loop: a hand that means to follow the path holds this device (`touchstone loop`)");
+  command->add_option("--grip", options->loop.grip, "That hand")->capture_default_str();
+  command->add_option("--set", options->set,
+                      "A figure of device or hand in place of the published one, NAME=VALUE; may be repeated");
   options->golden.plugins.add_to(*command);
   command->add_option("--golden", options->golden.golden, "Folder of your golden cases")
       ->envname("TOUCHSTONE_GOLDEN")
@@ -123,7 +136,8 @@ void add_new_case(CLI::App& golden_command, Run& run) {
       "  touchstone golden new edge-of-plate --mesh plate.obj --mesh-unit mm --trajectory scan.csv --model model.json\n"
       "  touchstone golden new tap --mesh cup.stl --trajectory live/live.csv --from 1 --to 3 --model mine.json "
       "--plugin "
-      "./libmine.so");
+      "./libmine.so\n"
+      "  touchstone golden new press --mesh cup.stl --trajectory press.csv --model model.json --device touch-x");
   command->callback([options, &run] { run = [options] { return new_case(*options); }; });
 }
 

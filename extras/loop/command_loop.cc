@@ -179,7 +179,7 @@ void add_loop(CLI::App& program, apps::Run& run) {
   options->tools.add_to(*command);
   command->footer(
       "Exit status 0 whatever the verdict, which is in result.json; 1 if the recording differs.\n"
-      "As a test on every commit: a golden case with a loop (touchstone golden new --loop).\n"
+      "As a test on every commit: a golden case with a loop (touchstone golden new --device).\n"
       "Examples:\n"
       "  touchstone loop --device touch --grip light --model m.json --mesh o.obj --path scan.csv --out r\n"
       "  touchstone loop --device omega.3 --grip firm --set mass_kg=0.2 --set latency_s=0.001 --model m.json --mesh "

@@ -153,7 +153,7 @@ double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force
 // it by more than the tolerance, over the run and at its worst.
 void judge_by_exact_answer(const Catalogues& catalogues, const GoldenCase& golden, const CaseModel& model,
                            const recording::RenderedTrajectory& obtained, CheckResult& result) {
-  if (golden.surface.generator.empty()) return;
+  if (golden.surface.generator.empty() || golden.loop) return;
   const auto analytic = catalogues.generators.surface(golden.surface.generator, golden.surface.parameters);
   result.exact = exact_error(catalogues, *analytic, golden.scale, model.runs, obtained);
   if (!result.exact || result.comparison.verdict != Verdict::worse) return;
@@ -185,10 +185,14 @@ void measure(const CheckResult& result, const CaseRun& run, const std::string& h
     measurements += report::measurement(name, value);
   };
   for (const auto& [name, value] : metrics_of(result.comparison)) add(name, value);
-  add("step_p99_us", run.p99_us);
   if (run.operations) {
     add("operations", static_cast<double>(run.operations->total));
     add("operations_max_step", static_cast<double>(run.operations->max_per_step));
+  }
+  if (run.loop) {
+    for (const auto& [name, value] : metrics_of(*run.loop)) add(name, value);
+  } else {
+    add("step_p99_us", run.p99_us);
   }
   add("tolerance_of_jnd", result.share_of_jnd);
   if (result.exact) {
@@ -304,22 +308,33 @@ namespace {
 CaseRun run_model(const Catalogues& catalogues, const GoldenCase& golden, const CaseModel& model, bool time_steps) {
   const Model& described = model.runs;
   const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
-  CaseWorld world = make_world(catalogues, golden, described, trajectory);
   CaseRun run;
-  // A golden says what is right at each tip; when the answer comes is what the renderer declares.
-  const double lag_samples = value_of(described, catalogues.renderers.find(described), "lag_samples");
-  const auto renderer = rendering::settled(std::move(world.renderer), static_cast<int>(std::lround(lag_samples)));
-  run.rendered = replay(*renderer, trajectory, time_steps);
-  run.p99_us = p99(run.rendered.cost_us);
-  run.rendered.cost_us.clear();
+  std::string geometry_sha256;
   run.provenance = build_provenance();
+  if (golden.loop) {
+    const TriangleMesh mesh = case_mesh(catalogues.generators, golden);
+    LoopRun closed = run_loop_program(catalogues.loop_program, golden, mesh, trajectory, described);
+    run.rendered = std::move(closed.rendered);
+    run.loop = std::move(closed.figures);
+    add_to(run.provenance, *run.loop);
+    geometry_sha256 = hash_of(mesh);
+  } else {
+    CaseWorld world = make_world(catalogues, golden, described, trajectory);
+    // A golden says what is right at each tip; when the answer comes is what the renderer declares.
+    const double lag_samples = value_of(described, catalogues.renderers.find(described), "lag_samples");
+    const auto renderer = rendering::settled(std::move(world.renderer), static_cast<int>(std::lround(lag_samples)));
+    run.rendered = replay(*renderer, trajectory, time_steps);
+    run.p99_us = p99(run.rendered.cost_us);
+    run.rendered.cost_us.clear();
+    run.surface = world.surface;
+    if (world.surface) run.operations = count_run(catalogues.renderers, described, world.surface, trajectory);
+    geometry_sha256 = world.geometry_sha256;
+  }
   if (described.provided) run.provenance.merge(plugin::plugin_provenance(*described.provided));
   if (described.renderer != model.own.renderer) run.provenance["renderer_in_place"] = described.renderer;
-  run.provenance["geometry_sha256"] = world.geometry_sha256;
+  run.provenance["geometry_sha256"] = geometry_sha256;
   run.provenance["trajectory_sha256"] = hash_of(trajectory);
   run.provenance["seed"] = std::to_string(golden.trajectory.seed);
-  run.surface = world.surface;
-  if (world.surface) run.operations = count_run(catalogues.renderers, described, world.surface, trajectory);
   if (run.operations) {
     run.provenance["operations"] = std::to_string(run.operations->total);
     run.provenance["operations_max_step"] = std::to_string(run.operations->max_per_step);
@@ -337,6 +352,22 @@ CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const s
 
 namespace {
 
+// Sample by sample where both repeat, and by their figures.
+void judge_loop(const LoopFigures& golden, const CaseRun& run, CheckResult& result) {
+  if (!golden.repeats() || !run.loop->repeats()) {
+    Comparison figures;
+    figures.expected_rows = result.comparison.expected_rows;
+    figures.obtained_rows = result.comparison.obtained_rows;
+    figures.problems = {fmt::format("of a loop that {}, no sample repeats: its figures are compared",
+                                    golden.repeats() ? run.loop->verdict : golden.verdict)};
+    if (!result.comparison.bad_data) result.comparison = std::move(figures);
+  }
+  for (std::string& difference : loop_differences(golden, *run.loop)) {
+    result.comparison.problems.push_back(std::move(difference));
+    result.comparison.verdict = worst(result.comparison.verdict, Verdict::worse);
+  }
+}
+
 // What is said of a run that has a golden: within tolerance or not, nearer to the exact answer or not.
 void judge(const Catalogues& catalogues, const GoldenCase& golden, const CaseModel& model, const CaseCheck& options,
            const CaseRun& run, const TrajectoryColumns& obtained, TrajectoryColumns& expected, CheckResult& result) {
@@ -347,7 +378,10 @@ void judge(const Catalogues& catalogues, const GoldenCase& golden, const CaseMod
   if (equal_answers > 0)
     result.comparison.problems.push_back(
         fmt::format("in {} rows another surface point is as close as the golden's, and as right", equal_answers));
-  result.same_cpu = read_provenance(golden.expected(model.name))["cpu"] == run.provenance.at("cpu");
+  const std::filesystem::path file = golden.expected(model.name);
+  Provenance made = read_provenance(file);
+  if (golden.loop) judge_loop(loop_figures_of(made, file.string()), run, result);
+  result.same_cpu = made["cpu"] == run.provenance.at("cpu");
   result.drift_fails = options.fail_on_drift && result.comparison.drift > 0 && result.same_cpu;
   result.share_of_jnd = share_of_jnd(expected, golden.tolerance.of("force"));
   if (!(result.share_of_jnd <= golden.jnd_share)) {
@@ -407,7 +441,7 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
     if (options.change) throw;  // of what the user put in the place of the case's own
     invalid(error);
   }
-  if (options.felt && !obtained.columns.empty()) {
+  if (options.felt && !golden.loop && !obtained.columns.empty()) {
     result.felt = felt_error(catalogues, golden, name, run.rendered, *options.felt);
     result.comparison.problems.push_back(to_sentence(*result.felt, *options.felt));
   }

@@ -13,6 +13,7 @@
 #include "harness/golden/golden_case.h"
 #include "harness/golden/golden_file.h"
 #include "harness/golden/golden_summary.h"
+#include "harness/golden/loop_case.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/triangle_mesh.h"
 
@@ -39,6 +40,7 @@ struct CaseRun {
   Provenance provenance;
   double p99_us = 0.0;                              // of a step
   std::shared_ptr<const surface::Surface> surface;  // of one object; empty for a scene
+  std::optional<LoopFigures> loop;                  // of a case that closes one
   std::optional<RunOperations> operations;          // where the renderer's are counted
 };
 

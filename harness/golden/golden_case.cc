@@ -19,10 +19,10 @@ bool plain(const std::string& name) {
   });
 }
 
-std::map<std::string, double, std::less<>> read_parameters(JsonObject& object) {
+std::map<std::string, double, std::less<>> read_numbers(JsonObject& object, const char* member) {
   std::map<std::string, double, std::less<>> parameters;
-  if (!object.has("parameters")) return parameters;
-  JsonObject values = object.object("parameters");
+  if (!object.has(member)) return parameters;
+  JsonObject values = object.object(member);
   for (const auto& key : values.keys()) parameters[key] = values.number(key);
   return parameters;
 }
@@ -46,6 +46,19 @@ std::filesystem::path file_of_case(JsonObject& object, const char* key, const st
   return folder / file;
 }
 
+CaseLoop read_case_loop(JsonObject object) {
+  CaseLoop loop;
+  for (const auto& [key, name] : {std::pair{"device", &loop.device}, {"grip", &loop.grip}}) {
+    *name = object.text(key);
+    if (name->find('/') != std::string::npos)
+      object.fail_at(key, "a name, or a file in the case's own folder was expected, without a path");
+  }
+  loop.set = read_numbers(object, "set");
+  loop.seed = whole(object, "seed", object.optional_number("seed").value_or(1.0));
+  object.finish();
+  return loop;
+}
+
 }  // namespace
 
 CaseSurface read_case_surface(JsonObject object, const std::filesystem::path& folder, CaseFiles files) {
@@ -55,7 +68,7 @@ CaseSurface read_case_surface(JsonObject object, const std::filesystem::path& fo
     surface.unit = object.text("unit");
   } else {
     surface.generator = object.text("name");
-    surface.parameters = read_parameters(object);
+    surface.parameters = read_numbers(object, "parameters");
     surface.triangles = whole(object, "triangles", object.number("triangles"));
   }
   object.finish();
@@ -68,7 +81,7 @@ CaseTrajectory read_case_trajectory(JsonObject object, const std::filesystem::pa
     trajectory.file = file_of_case(object, "file", folder, files);
   } else {
     trajectory.generator = object.text("name");
-    trajectory.parameters = read_parameters(object);
+    trajectory.parameters = read_numbers(object, "parameters");
     trajectory.seed = whole(object, "seed", object.optional_number("seed").value_or(1.0));
     trajectory.rate_Hz = positive(object, "rate_Hz", 1000.0);
   }
@@ -106,6 +119,10 @@ GoldenCase load_case(const std::filesystem::path& folder) {
     golden.surface = read_case_surface(object.object("surface"), folder, CaseFiles::own_folder);
   }
   golden.trajectory = read_case_trajectory(object.object("trajectory"), folder, CaseFiles::own_folder);
+  if (object.has("loop")) {
+    if (!golden.scene.empty()) object.fail_at("loop", "a loop is closed over one surface, and this is a scene");
+    golden.loop = read_case_loop(object.object("loop"));
+  }
   golden.scale = positive(object, "scale", 1.0);
   golden.speed = positive(object, "speed", 1.0);
   JsonObject models = object.object("models");

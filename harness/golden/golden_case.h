@@ -8,6 +8,8 @@
 //    "scale": 1, "speed": 1,
 //    "models": {"god-object": {touchstone-model/1}, ...},
 //    "tolerance": {as in a tolerance file, "reason" required}, "jnd_share": 0.05}
+// "loop": {"device": "touch-x", "grip": "light", "set": {"mass_kg": 0.1}, "seed": 1} closes the loop of a hand that
+// means to follow the trajectory (loop_case.h); device and grip are names or files of the folder.
 // `scale` multiplies every length of the world (mesh and trajectory), `speed` runs the trajectory that many times
 // faster. In place of "surface", "scene": {touchstone-scene/1} has several bodies, which are files of the folder.
 #pragma once
@@ -42,6 +44,12 @@ struct CaseTrajectory {
   std::filesystem::path file;
 };
 
+struct CaseLoop {
+  std::string device, grip;
+  std::map<std::string, double, std::less<>> set;  // figures in place of the published ones
+  std::uint64_t seed = 1;
+};
+
 struct GoldenCase {
   std::string name;
   std::string summary;
@@ -50,6 +58,7 @@ struct GoldenCase {
   // The text of a scene of several bodies, which takes the place of `surface`; empty where there is none.
   std::string scene;
   CaseTrajectory trajectory;
+  std::optional<CaseLoop> loop;
   double scale = 1.0;
   double speed = 1.0;
   std::map<std::string, std::string> models;  // name to the text of its model

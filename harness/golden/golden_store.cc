@@ -148,6 +148,11 @@ void export_case(const rendering::Generators& generators, const GoldenCase& gold
   if (!golden.scene.empty())
     throw UsageError(
         fmt::format("{}: a scene has no one mesh to write; its file goes to touchstone replay --scene", golden.name));
+  if (golden.loop)
+    throw UsageError(
+        fmt::format("{}: closes a loop, which is no replay; for bisect: --measure with touchstone check "
+                    "--ctest",
+                    golden.name));
   ensure_writable_folder(to);
   save_mesh(case_mesh(generators, golden), to / "mesh.obj");
   save_trajectory(to / "trajectory.csv", case_trajectory(generators, golden));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct NewCase {
   std::filesystem::path trajectory;           // a trajectory or a recording: its positions are the path as they are
   double from_s = 0.0, to_s = 0.0;            // the part of the path; to_s 0: all of it
   std::vector<std::filesystem::path> models;  // named by their files
+  std::optional<CaseLoop> loop = {};
 };
 
 struct MadeCase {

@@ -1,7 +1,6 @@
 #include "harness/golden/noise_floor.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <map>
@@ -15,6 +14,7 @@
 #include "harness/base/json_reader.h"
 #include "harness/base/json_values.h"
 #include "harness/base/other_program.h"
+#include "harness/base/scratch_folder.h"
 #include "harness/base/progress.h"
 #include "harness/golden/comparison/column_file.h"
 #include "harness/golden/comparison/compare.h"
@@ -29,25 +29,6 @@ namespace {
 constexpr double most_of_tolerance = 0.1;
 constexpr std::uint64_t most_rows = 1ULL << 53;  // what a JSON number counts exactly
 constexpr const char* schema = "touchstone-golden-floor/1";
-
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "touchstone-floor-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw BadData("no folder can be made for temporary files");
-    path_ = pattern;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 void run_render(const std::string& program, const std::string& golden, const std::string& one,
                 const std::filesystem::path& to) {

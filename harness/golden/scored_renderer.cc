@@ -126,7 +126,7 @@ renderer_faults::Scorecard score_renderer(const Catalogues& catalogues,
   ScoreRequest with_epsilon = request;
   with_epsilon.felt.epsilon_m = engine.epsilon_m;
   for (const GoldenCase& golden : cases) {
-    if (golden.models.contains(request.model))
+    if (golden.models.contains(request.model) && !golden.loop)
       card.cases.push_back(score_case(catalogues, entry, with_epsilon, golden));
   }
   return card;
