@@ -187,9 +187,7 @@ void add_loop(CLI::App& program, apps::Run& run) {
       "  touchstone loop --device my-device.json --grip light --plugin ./libmine.so --model mine.json --mesh o.obj "
       "--path scan.csv --out r\n"
       "  touchstone loop --device touch --grip light --tool pen.obj --renderer god-object-tool --mesh o.obj --path "
-      "poses.csv --out r\n"
-      "  touchstone loop --device touch --grip light --model m.json --mesh o.obj --path scan.csv --out r --ctest "
-      "--least-margin 1.5 --most-buzz 0.05");
+      "poses.csv --out r");
   command->callback([command, options, &run] {
     if (command->get_subcommands().empty()) run = [options] { return loop_command(*options); };
   });

@@ -220,8 +220,8 @@ Section not_modelled_section() {
                         "links and cables, gravity, "
                         "backlash, stiction above Coulomb friction. The three axes are equal and independent. The hand "
                         "is one mass, damper "
-                        "and spring that do not change; it does nothing on purpose when it feels something. Torques "
-                        "and tools with a shape. "
+                        "and spring that do not change; it does nothing on purpose when it feels something. "
+                        "The torque of a tool turns nothing: its orientation is the path's. "
                         "A verdict of this page says what these equations do, not what your device does: try it there, "
                         "with a hand on the "
                         "power switch."});
