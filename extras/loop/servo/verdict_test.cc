@@ -119,6 +119,31 @@ TEST(Verdict, AKickIsWhatALateWallGivesBeyondAnIdealOne) {
   EXPECT_NEAR(late.kick_jnd, kick_N / (ideal_N * perception::kFingertipForce.fraction(ideal_N)), 0.02 * late.kick_jnd);
 }
 
+// The hand means to be in the wall from 0.05 s on, bounces off it at 0.1 s, and comes again at 0.3 s.
+TEST(Verdict, AKickIsOfTheFirstContactOfAPress) {
+  LoopRuns runs;
+  const auto within = [](std::size_t i, std::size_t begin, std::size_t end) { return begin <= i && i < end; };
+  for (std::size_t i = 0; i < 500; ++i) {
+    const bool meant = within(i, 50, 200) || within(i, 300, 500);
+    const bool touches = within(i, 52, 100) || within(i, 150, 198) || within(i, 302, 500);
+    for (LoopTrace* const trace : {&runs.run, &runs.ideal, &runs.open}) {
+      trace->t_s.push_back(1e-3 * static_cast<double>(i));
+      trace->contact.push_back((trace == &runs.open ? meant : touches) ? 1 : 0);
+      trace->limited.push_back(0);
+      trace->by_actuator_J.push_back(0.0);
+      trace->felt_W_N.emplace_back(0.0, 0.0, touches ? 1.0 : 0.0);
+    }
+  }
+  const auto give = [&runs](std::size_t i, double force_N) { runs.run.felt_W_N[i].z() = force_N; };
+  give(60, 1.5);
+  give(160, 4.0);
+  EXPECT_EQ(judge(runs, {}).kick_N, 0.5);
+  EXPECT_EQ(judge(runs, {}).kick_at_s, 0.06);
+  give(310, 2.0);
+  EXPECT_EQ(judge(runs, {}).kick_N, 1.0);
+  EXPECT_EQ(judge(runs, {}).kick_at_s, 0.31);
+}
+
 // Steps that take longer than the servo's period: no verdict, and none of the long runs.
 TEST(Verdict, OfARendererThatIsTooSlowForTheServoItCannotTell) {
   class Slow final : public rendering::Renderer {
