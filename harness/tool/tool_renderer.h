@@ -65,7 +65,7 @@ class ToolRenderer {
       return refused;
     }
     const ToolState checked{state.t_s, {state.handle.p_W_m, Quat(state.handle.q_WT.coeffs() / length)}};
-    const ToolResult result = do_step(checked, have_last_ ? state.t_s - last_t_s_ : 0.0);
+    ToolResult result = do_step(checked, have_last_ ? state.t_s - last_t_s_ : 0.0);
     have_last_ = true;
     last_t_s_ = state.t_s;
     return result;
