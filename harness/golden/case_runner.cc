@@ -15,6 +15,7 @@
 #include "harness/golden/comparison/column_file.h"
 #include "harness/golden/comparison/comparison_report.h"
 #include "harness/golden/equal_answers.h"
+#include "harness/golden/loop_case.h"
 #include "harness/golden/pictures.h"
 #include "harness/perception/filters/weber_law.h"
 #include "harness/plugin/plugin_provenance.h"
@@ -315,7 +316,7 @@ CaseRun run_model(const Catalogues& catalogues, const GoldenCase& golden, const 
     const TriangleMesh mesh = case_mesh(catalogues.generators, golden);
     LoopRun closed = run_loop_program(catalogues.loop_program, golden, mesh, trajectory, described);
     run.rendered = std::move(closed.rendered);
-    run.loop = std::move(closed.figures);
+    run.loop = std::make_shared<const LoopFigures>(std::move(closed.figures));
     add_to(run.provenance, *run.loop);
     geometry_sha256 = hash_of(mesh);
   } else {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -13,11 +14,12 @@
 #include "harness/golden/golden_case.h"
 #include "harness/golden/golden_file.h"
 #include "harness/golden/golden_summary.h"
-#include "harness/golden/loop_case.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::golden {
+
+struct LoopFigures;
 
 // The case's object and motion, from its files or made by generators; every length times `scale`, the motion `speed`
 // times as fast.
@@ -40,7 +42,7 @@ struct CaseRun {
   Provenance provenance;
   double p99_us = 0.0;                              // of a step
   std::shared_ptr<const surface::Surface> surface;  // of one object; empty for a scene
-  std::optional<LoopFigures> loop;                  // of a case that closes one
+  std::shared_ptr<const LoopFigures> loop;          // of a case that closes one (loop_case.h)
   std::optional<RunOperations> operations;          // where the renderer's are counted
 };
 

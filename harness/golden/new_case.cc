@@ -11,6 +11,7 @@
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/random.h"
+#include "harness/golden/loop_case.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/nearness.h"
