@@ -152,10 +152,10 @@ std::vector<Fault> faults() {
       {"OneScratchForAll", "shared-state",
        [](auto& tip, auto&) {
          shared_depth_m = tip.p_W_m.z();
-         // The other renderer has its turn in between where it runs in another thread.
-         static std::atomic<std::thread::id> last;
-         const auto here = std::this_thread::get_id();
-         for (int i = 0; i < 20 && last.exchange(here) != here; ++i) std::this_thread::yield();
+         // In the second thread: until the first one's renderer has had its step.
+         static const auto first = std::this_thread::get_id();
+         if (std::this_thread::get_id() == first) return;
+         for (int i = 0; i < 50 && shared_depth_m == tip.p_W_m.z(); ++i) std::this_thread::yield();
          tip.p_W_m.z() = shared_depth_m;
        }},
       {"OneMemoryForAll",

@@ -254,19 +254,21 @@ std::optional<Finding> find_shared_state(const Engine& engine) {
       if (!(step_to(*renderers[k], i, tips[k][i]).f_W_N == expected[k][i])) return report(k, i, "in turn");
     }
   }
-  // At the same time: what is shared within a step shows sooner or later.
+  // At the same time: what is shared within a step shows sooner or later. Neither ends while the other has rounds to
+  // go: on one processor each may have run alone until then.
   std::array<std::optional<std::size_t>, count> differs;
-  std::atomic<std::size_t> ready = 0;
+  std::atomic<int> going = count;
   std::array<std::exception_ptr, count> broke_down;  // no exception leaves a thread
   const auto run = [&](std::size_t k) {
-    ++ready;
-    while (ready < count) std::this_thread::yield();
     try {
-      for (int round = 0; round < 40 && !differs[k]; ++round)
+      for (int round = 1; going > 0 && !differs[k]; ++round) {
         differs[k] = first_difference(forces(*renderers[k], tips[k]), expected[k]);
+        if (round == 40) --going;
+      }
     } catch (...) {
       broke_down[k] = std::current_exception();
     }
+    going = 0;
   };
   {
     std::jthread other([&] { run(1); });
