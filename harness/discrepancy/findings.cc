@@ -81,7 +81,8 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
       const FreeParameter& free = search.parameters[i];
       if (free.owner != candidate.name || free.name != declared.name) continue;
       parameter.at_bound = search.fit.at_bound[i];
-      if (free.logarithmic || !parameter.undetermined.empty()) continue;
+      // An exponent of 1 changes nothing.
+      if (!(is_size(free) || free.name == "exponent") || !parameter.undetermined.empty()) continue;
       const bool nothing = parameter.low95 <= declared.initial && declared.initial <= parameter.high95;
       parameter.size = nothing ? FoundParameter::Size::may_be_nothing : FoundParameter::Size::sure;
     }

@@ -233,5 +233,23 @@ TEST(FindingsIntervals, EndWhereTheValuesDoAndSayThatNothingIsInThem) {
   EXPECT_THAT(said, HasSubstr("normal-damping may be none"));
 }
 
+// Where a bump is says nothing of whether there is one.
+TEST(FindingsIntervals, APlaceThatIsKnownIsNoSize) {
+  Findings f = left_over(0.12);
+  f.search.found = {effect("stiffness-map")};
+  f.search.model.effects = {{"stiffness-map", {{"amplitude", 0.5}, {"x_m", 0.1}}, "/found", {}, {}}};
+  f.search.fit.model = f.search.model;
+  f.search.fit.u = Eigen::Vector2d(0.5, 0.1);
+  f.search.fit.covariance = Eigen::Vector2d(1.0, 1e-6).asDiagonal();
+  f.search.fit.at_bound = {false, false};
+  f.search.parameters = {linear_parameter("stiffness-map", "amplitude", 1.0, -1.0, 10.0),
+                         linear_parameter("stiffness-map", "x_m", 1.0, -1.0, 1.0)};
+  conclude(f, {{"stiffness-map",
+                rendering::Side::contact,
+                {{"amplitude", "1", -0.99, 100.0, 0.0, "a"}, {"x_m", "m", -1e3, 1e3, 0.0, "place"}}}});
+  EXPECT_THAT(f.explanation, HasSubstr("stiffness-map may be none"));
+  EXPECT_EQ(f.parameters[0][1].size, FoundParameter::Size::none);
+}
+
 }  // namespace
 }  // namespace touchstone::discrepancy

@@ -31,10 +31,6 @@ constexpr double cell_share = 0.05;
 
 bool is_angle(const std::string& name) { return name == "direction_rad" || name == "phase_rad"; }
 bool is_place(const std::string& name) { return name == "x_m" || name == "y_m"; }
-bool is_size(const FreeParameter& parameter) {
-  return !parameter.logarithmic && !parameter.coefficient && !is_angle(parameter.name) && !is_place(parameter.name) &&
-         parameter.name != "exponent";
-}
 
 // Half of a 95 % interval from which nothing is known, in u (see free_parameter.h).
 double widest_half(const FreeParameter& parameter, double u) {
@@ -144,6 +140,11 @@ std::vector<Undetermined> find_undetermined(const FitData& data, const Recording
     }
   }
   return found;
+}
+
+bool is_size(const FreeParameter& parameter) {
+  return !parameter.logarithmic && !parameter.coefficient && !is_angle(parameter.name) && !is_place(parameter.name) &&
+         parameter.name != "exponent";
 }
 
 std::vector<std::string> without_size(const std::vector<Undetermined>& undetermined,

@@ -30,6 +30,9 @@ std::vector<Undetermined> find_undetermined(const FitData& data, const recording
 // There and back in different places does not count: the surface may be tilted one way here and the other way there.
 double both_ways_share(const recording::Recording& recording, const rendering::Prediction& prediction, int axis);
 
+// Whether it says how much of an effect there is: no place, angle, time or length.
+bool is_size(const FreeParameter& parameter);
+
 // Effects none of whose sizes is determined. An effect without a size (a time constant alone) is never one of them.
 std::vector<std::string> without_size(const std::vector<Undetermined>& undetermined,
                                       const std::vector<FreeParameter>& parameters);
