@@ -1,4 +1,4 @@
-// A folder for files of a moment, which goes with the object.
+// A folder for files of a moment, empty at first, which goes with the object.
 #pragma once
 
 #include <cstdlib>
@@ -11,9 +11,9 @@ namespace touchstone {
 
 class ScratchFolder {
  public:
-  ScratchFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "touchstone-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw BadData("no folder can be made for temporary files");
+  explicit ScratchFolder(const std::filesystem::path& in = std::filesystem::temp_directory_path()) {
+    std::string pattern = (in / "touchstone-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) throw BadData(pattern + ": no folder can be made for temporary files");
     path_ = pattern;
   }
   ~ScratchFolder() {
