@@ -156,7 +156,7 @@ TEST(ToolInHand, EnergyBalancesAndARunRepeatsToTheBitWithEveryRendererAndEffect)
       worst_J = std::max(worst_J, std::abs(since(trace.kinetic_J) - since(trace.by_actuator_J) -
                                            since(trace.by_hand_J) + since(trace.lost_J)));
     }
-    EXPECT_EQ(box.torque().largest_Nm > 0.0, true) << entry.name;
+    EXPECT_GT(box.torque().largest_Nm, 0.0) << entry.name;
     EXPECT_GT(lost_J, 1e-4) << entry.name;
     EXPECT_LT(worst_J, 1e-12 * lost_J) << entry.name;
   }
