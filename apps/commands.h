@@ -20,7 +20,6 @@ void add_discrepancy(CLI::App& program, Run& run);
 void add_fit(CLI::App& program, Run& run);
 void add_formats(CLI::App& program, Run& run);
 void add_golden(CLI::App& program, Run& run);
-void add_hil(CLI::App& program, Run& run);
 void add_evaluate(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
 void add_perceive(CLI::App& program, Run& run);
@@ -52,7 +51,6 @@ inline std::vector<AddCommand> commands() {
       add_fit,
       add_formats,
       add_golden,
-      add_hil,
       add_evaluate,
       add_list,
       add_perceive,

@@ -134,7 +134,7 @@ TEST_F(FailedRun, EveryCommandWithOutIsInTheTable) {
   std::set<std::string> found;
   commands_with_out("", found);
   for (const char* const extra :
-       {"acquire", "atlas", "axis", "blind", "experiment", "import", "leaderboard", "loop", "sweep", "tool"})
+       {"acquire", "atlas", "axis", "blind", "experiment", "hil", "import", "leaderboard", "loop", "sweep", "tool"})
     commands_with_out(extra, found);
   EXPECT_GT(found.size(), 40U);
   for (const std::string& words : found) EXPECT_TRUE(failing_commands().contains(words)) << words;

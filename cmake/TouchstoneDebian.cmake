@@ -31,7 +31,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtouchstone-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 # What find_package(touchstone) looks for: the development packages of ci/packages.txt.
 file(STRINGS ${PROJECT_SOURCE_DIR}/ci/packages.txt development_packages REGEX "^lib.*-dev$")
-list(REMOVE_ITEM development_packages libumockdev-dev libbenchmark-dev libcpp-httplib-dev)
+list(REMOVE_ITEM development_packages libumockdev-dev libusb-1.0-0-dev libbenchmark-dev libcpp-httplib-dev)
 list(JOIN development_packages ", " development_packages)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "touchstone (= ${PROJECT_VERSION}), cmake (>= 3.25), g++, ${development_packages}")
 

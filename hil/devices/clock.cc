@@ -2,7 +2,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/devices/device_error.h"
+#include "devices/device_error.h"
 
 #include <array>
 

@@ -1,4 +1,4 @@
-#include "hil/devices/device_lock.h"
+#include "devices/device_lock.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -15,8 +15,8 @@
 #include <cstring>
 #include <string_view>
 
-#include "hil/devices/device_error.h"
-#include "hil/drivers/device_table.h"
+#include "devices/device_error.h"
+#include "drivers/device_table.h"
 
 namespace touchstone::hil {
 namespace {

@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <string>
 
-#include "hil/devices/hardware_map.h"
-#include "hil/devices/interfaces.h"
+#include "devices/hardware_map.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/devices/hardware_map.h"
+#include "devices/hardware_map.h"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,11 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "drivers/device_table.h"
 #include "harness/base/error.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
-#include "hil/drivers/device_table.h"
-#include "hil/lab/finding.h"
+#include "lab/finding.h"
 
 namespace touchstone::hil {
 namespace {

@@ -8,9 +8,9 @@
 #include <span>
 #include <string>
 
+#include "devices/device_error.h"
 #include "harness/base/vec.h"
 #include "harness/recording/ati_calibration.h"
-#include "hil/devices/device_error.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/devices/known_device.h"
+#include "devices/known_device.h"
 
 namespace touchstone::hil {
 

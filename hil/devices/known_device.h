@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "hil/devices/hardware_map.h"
-#include "hil/devices/interfaces.h"
+#include "devices/hardware_map.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/devices/probe.h"
+#include "devices/probe.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "hil/drivers/comedi_daq.h"
-#include "hil/drivers/device_table.h"
-#include "hil/drivers/usb.h"
+#include "drivers/comedi_daq.h"
+#include "drivers/device_table.h"
+#include "drivers/usb.h"
 
 namespace touchstone::hil {
 namespace {

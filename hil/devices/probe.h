@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/device_error.h"
-#include "hil/devices/hardware_map.h"
+#include "devices/device_error.h"
+#include "devices/hardware_map.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/drivers/bota.h"
+#include "drivers/bota.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "hil/drivers/byte_reader.h"
-#include "hil/drivers/record_count.h"
-#include "hil/drivers/serial_port.h"
+#include "drivers/byte_reader.h"
+#include "drivers/record_count.h"
+#include "drivers/serial_port.h"
 
 namespace touchstone::hil {
 

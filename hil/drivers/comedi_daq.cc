@@ -1,4 +1,4 @@
-#include "hil/drivers/comedi_daq.h"
+#include "drivers/comedi_daq.h"
 
 #include <comedilib.h>
 #include <fmt/format.h>
@@ -13,8 +13,8 @@
 #include <memory>
 #include <vector>
 
+#include "drivers/vendor_library.h"
 #include "harness/base/hash.h"
-#include "hil/drivers/vendor_library.h"
 
 namespace touchstone::hil {
 using recording::GaugeVoltages;

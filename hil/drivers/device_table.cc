@@ -1,22 +1,22 @@
-#include "hil/drivers/device_table.h"
+#include "drivers/device_table.h"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 
-#include "hil/drivers/bota.h"
-#include "hil/drivers/comedi_daq.h"
-#include "hil/drivers/falcon.h"
-#include "hil/drivers/haply.h"
-#include "hil/drivers/leptrino.h"
-#include "hil/drivers/load_cell.h"
-#include "hil/drivers/natnet.h"
-#include "hil/drivers/ndi.h"
-#include "hil/drivers/netft.h"
-#include "hil/drivers/onrobot.h"
-#include "hil/drivers/qualisys.h"
-#include "hil/drivers/vendor_devices.h"
-#include "hil/drivers/vrpn.h"
+#include "drivers/bota.h"
+#include "drivers/comedi_daq.h"
+#include "drivers/falcon.h"
+#include "drivers/haply.h"
+#include "drivers/leptrino.h"
+#include "drivers/load_cell.h"
+#include "drivers/natnet.h"
+#include "drivers/ndi.h"
+#include "drivers/netft.h"
+#include "drivers/onrobot.h"
+#include "drivers/qualisys.h"
+#include "drivers/vendor_devices.h"
+#include "drivers/vrpn.h"
 
 namespace touchstone::hil {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "hil/devices/known_device.h"
+#include "devices/known_device.h"
 
 namespace touchstone::hil {
 

@@ -1,5 +1,5 @@
 // The list of devices: what each entry must say so that everything that goes by it works.
-#include "hil/drivers/device_table.h"
+#include "drivers/device_table.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <set>
 
+#include "drivers/open_mapped.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "hil/drivers/open_mapped.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/drivers/falcon.h"
+#include "drivers/falcon.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "drivers/falcon_kinematics.h"
+#include "drivers/usb.h"
 #include "harness/base/atomic_file.h"
-#include "hil/drivers/falcon_kinematics.h"
-#include "hil/drivers/usb.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/drivers/falcon_kinematics.h"
+#include "drivers/falcon_kinematics.h"
 
 #include <Eigen/LU>
 #include <cmath>

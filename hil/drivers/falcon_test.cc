@@ -1,6 +1,6 @@
 // The Falcon's kinematics and frames, and its driver under unmodified libusb against the USB emulator. The emulator
 // encodes our reading of the protocol: results are emulated and prove nothing about a real device.
-#include "hil/drivers/falcon.h"
+#include "drivers/falcon.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,12 +10,12 @@
 #include <filesystem>
 #include <functional>
 
+#include "drivers/falcon_kinematics.h"
+#include "drivers/usb.h"
+#include "emulators/permission_denied.h"
+#include "emulators/usb_emulator.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/random.h"
-#include "hil/drivers/falcon_kinematics.h"
-#include "hil/drivers/usb.h"
-#include "hil/emulators/permission_denied.h"
-#include "hil/emulators/usb_emulator.h"
 
 namespace touchstone::hil {
 namespace {

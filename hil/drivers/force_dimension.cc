@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "hil/drivers/vendor_devices.h"
-#include "hil/drivers/vendor_library.h"
+#include "drivers/vendor_devices.h"
+#include "drivers/vendor_library.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/drivers/haply.h"
+#include "drivers/haply.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "hil/drivers/web_socket.h"
+#include "drivers/web_socket.h"
 
 namespace touchstone::hil {
 

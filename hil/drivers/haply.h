@@ -35,8 +35,8 @@
 #include <memory>
 #include <string>
 
-#include "hil/devices/interfaces.h"
-#include "hil/devices/known_device.h"
+#include "devices/interfaces.h"
+#include "devices/known_device.h"
 
 namespace touchstone::hil {
 

@@ -1,6 +1,6 @@
 // The Haply driver against an emulator that keeps to Haply's published protocol. Emulated: it shows that the driver
 // keeps to it, too, not that an Inverse3 does.
-#include "hil/drivers/haply.h"
+#include "drivers/haply.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "hil/emulators/haply_emulator.h"
-#include "hil/safety/guardian.h"
+#include "emulators/haply_emulator.h"
+#include "safety/guardian.h"
 
 namespace touchstone::hil {
 namespace {

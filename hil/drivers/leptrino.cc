@@ -1,4 +1,4 @@
-#include "hil/drivers/leptrino.h"
+#include "drivers/leptrino.h"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "hil/drivers/byte_reader.h"
-#include "hil/drivers/record_count.h"
-#include "hil/drivers/serial_port.h"
+#include "drivers/byte_reader.h"
+#include "drivers/record_count.h"
+#include "drivers/serial_port.h"
 
 namespace touchstone::hil {
 

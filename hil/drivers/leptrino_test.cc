@@ -1,6 +1,6 @@
 // Leptrino's driver against messages written out from the maker's specification, and an emulator of it at the other end
 // of a pseudo-terminal. Emulated: they show that the driver keeps to the specification, not that a sensor does.
-#include "hil/drivers/leptrino.h"
+#include "drivers/leptrino.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "emulators/serial_emulator.h"
 #include "harness/base/random.h"
-#include "hil/emulators/serial_emulator.h"
 
 namespace touchstone::hil {
 namespace {

@@ -11,12 +11,12 @@
 #include <functional>
 #include <vector>
 
+#include "drivers/comedi_daq.h"
+#include "drivers/device_table.h"
+#include "drivers/vendor_devices.h"
+#include "emulators/ati_calibration_for_test.h"
 #include "harness/base/atomic_file.h"
-#include "hil/drivers/comedi_daq.h"
-#include "hil/drivers/device_table.h"
-#include "hil/drivers/vendor_devices.h"
-#include "hil/emulators/ati_calibration_for_test.h"
-#include "hil/record/stream.h"
+#include "record/stream.h"
 
 namespace touchstone::hil {
 namespace {

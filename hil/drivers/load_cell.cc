@@ -1,4 +1,4 @@
-#include "hil/drivers/load_cell.h"
+#include "drivers/load_cell.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <utility>
 
+#include "drivers/serial_port.h"
 #include "harness/base/error.h"
-#include "hil/drivers/serial_port.h"
 
 namespace touchstone::hil {
 namespace {

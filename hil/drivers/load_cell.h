@@ -16,8 +16,8 @@
 #include <string>
 #include <string_view>
 
-#include "hil/devices/interfaces.h"
-#include "hil/devices/known_device.h"
+#include "devices/interfaces.h"
+#include "devices/known_device.h"
 
 namespace touchstone::hil {
 

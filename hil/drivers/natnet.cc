@@ -1,4 +1,4 @@
-#include "hil/drivers/natnet.h"
+#include "drivers/natnet.h"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -16,8 +16,8 @@
 #include <cstring>
 #include <optional>
 
-#include "hil/drivers/record_count.h"
-#include "hil/drivers/stamped_udp.h"
+#include "drivers/record_count.h"
+#include "drivers/stamped_udp.h"
 
 namespace touchstone::hil {
 namespace {

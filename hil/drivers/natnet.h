@@ -24,8 +24,8 @@
 #include <utility>
 #include <vector>
 
-#include "hil/devices/interfaces.h"
-#include "hil/devices/known_device.h"
+#include "devices/interfaces.h"
+#include "devices/known_device.h"
 
 namespace touchstone::hil {
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/drivers/byte_reader.h"
-#include "hil/drivers/natnet.h"
+#include "drivers/byte_reader.h"
+#include "drivers/natnet.h"
 
 namespace touchstone::hil::natnet {
 namespace {

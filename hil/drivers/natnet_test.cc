@@ -1,6 +1,6 @@
 // The NatNet driver against packets captured from Motive 2.1 (natnet_answers.h), and against an emulator that is itself
 // held against these packets.
-#include "hil/drivers/natnet.h"
+#include "drivers/natnet.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,9 +9,9 @@
 #include <cmath>
 #include <limits>
 
+#include "emulators/natnet_answers.h"
+#include "emulators/natnet_emulator.h"
 #include "harness/base/random.h"
-#include "hil/emulators/natnet_answers.h"
-#include "hil/emulators/natnet_emulator.h"
 
 namespace touchstone::hil {
 namespace {

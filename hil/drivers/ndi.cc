@@ -1,4 +1,4 @@
-#include "hil/drivers/ndi.h"
+#include "drivers/ndi.h"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <optional>
 
+#include "drivers/record_count.h"
+#include "drivers/serial_port.h"
+#include "drivers/tcp_line.h"
 #include "harness/base/atomic_file.h"
-#include "hil/drivers/record_count.h"
-#include "hil/drivers/serial_port.h"
-#include "hil/drivers/tcp_line.h"
 
 namespace touchstone::hil {
 

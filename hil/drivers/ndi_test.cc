@@ -1,6 +1,6 @@
 // The NDI driver against an emulator that answers as ndicapi's parser expects. Emulated: it shows that the driver keeps
 // to the commands that ndicapi sends and reads, not that a Polaris does.
-#include "hil/drivers/ndi.h"
+#include "drivers/ndi.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -13,10 +13,10 @@
 #include <filesystem>
 #include <memory>
 
+#include "emulators/loopback_socket.h"
+#include "emulators/ndi_emulator.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/random.h"
-#include "hil/emulators/loopback_socket.h"
-#include "hil/emulators/ndi_emulator.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,11 +1,11 @@
-#include "hil/drivers/netft.h"
+#include "drivers/netft.h"
 
 #include <fmt/format.h>
 
 #include <utility>
 
+#include "drivers/rdt_source.h"
 #include "harness/base/web_request.h"
-#include "hil/drivers/rdt_source.h"
 
 namespace touchstone::hil {
 namespace {

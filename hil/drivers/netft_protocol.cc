@@ -6,8 +6,8 @@
 #include <map>
 #include <pugixml.hpp>
 
+#include "drivers/netft.h"
 #include "harness/base/error.h"
-#include "hil/drivers/netft.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,6 +1,6 @@
 // The Net F/T driver against its emulator on loopback, with the faults of networks and sensors. Everything here is
 // emulated: it shows that the driver keeps to our reading of the protocol, not that a sensor does.
-#include "hil/drivers/netft.h"
+#include "drivers/netft.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <vector>
 
-#include "hil/emulators/netft_answers.h"
-#include "hil/emulators/netft_emulator.h"
+#include "emulators/netft_answers.h"
+#include "emulators/netft_emulator.h"
 
 namespace touchstone::hil {
 namespace {

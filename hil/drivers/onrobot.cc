@@ -1,12 +1,12 @@
-#include "hil/drivers/onrobot.h"
+#include "drivers/onrobot.h"
 
 #include <fmt/format.h>
 
 #include <array>
 #include <utility>
 
+#include "drivers/rdt_source.h"
 #include "harness/base/error.h"
-#include "hil/drivers/rdt_source.h"
 
 namespace touchstone::hil {
 namespace {

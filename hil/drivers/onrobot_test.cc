@@ -1,6 +1,6 @@
 // The OnRobot driver against an emulator that follows the maker's own example. Emulated: it shows that the driver keeps
 // to that example, not that a sensor does.
-#include "hil/drivers/onrobot.h"
+#include "drivers/onrobot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "emulators/onrobot_emulator.h"
 #include "harness/base/error.h"
-#include "hil/emulators/onrobot_emulator.h"
 
 namespace touchstone::hil {
 namespace {

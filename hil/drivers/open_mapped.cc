@@ -1,11 +1,11 @@
-#include "hil/drivers/open_mapped.h"
+#include "drivers/open_mapped.h"
 
 #include <fmt/format.h>
 
 #include <string>
 
+#include "drivers/device_table.h"
 #include "harness/base/error.h"
-#include "hil/drivers/device_table.h"
 
 namespace touchstone::hil {
 namespace {

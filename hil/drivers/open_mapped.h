@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "hil/devices/hardware_map.h"
-#include "hil/devices/interfaces.h"
+#include "devices/hardware_map.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <vector>
 
-#include "hil/drivers/vendor_devices.h"
-#include "hil/drivers/vendor_library.h"
+#include "drivers/vendor_devices.h"
+#include "drivers/vendor_library.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/drivers/plugin_device.h"
+#include "drivers/plugin_device.h"
 
 #include <fmt/format.h>
 #include <touchstone/device.h>
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "hil/drivers/vendor_library.h"
+#include "drivers/vendor_library.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,5 +1,5 @@
 // A device that is a plug-in in C: the one of examples/c-device, and others that each do one thing wrong.
-#include "hil/drivers/plugin_device.h"
+#include "drivers/plugin_device.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "hil/safety/guardian.h"
+#include "safety/guardian.h"
 
 namespace touchstone::hil {
 namespace {

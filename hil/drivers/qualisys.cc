@@ -1,4 +1,4 @@
-#include "hil/drivers/qualisys.h"
+#include "drivers/qualisys.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <pugixml.hpp>
 #include <utility>
 
-#include "hil/drivers/byte_reader.h"
-#include "hil/drivers/record_count.h"
-#include "hil/drivers/tcp_line.h"
+#include "drivers/byte_reader.h"
+#include "drivers/record_count.h"
+#include "drivers/tcp_line.h"
 
 namespace touchstone::hil {
 

@@ -30,8 +30,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/interfaces.h"
-#include "hil/devices/known_device.h"
+#include "devices/interfaces.h"
+#include "devices/known_device.h"
 
 namespace touchstone::hil {
 

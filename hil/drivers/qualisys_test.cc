@@ -1,6 +1,6 @@
 // The driver of QTM against packets written out from Qualisys' documentation, and an emulator of it. Emulated: they
 // show that the driver keeps to the documentation, not that QTM does.
-#include "hil/drivers/qualisys.h"
+#include "drivers/qualisys.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "emulators/qualisys_emulator.h"
 #include "harness/base/random.h"
-#include "hil/emulators/qualisys_emulator.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/drivers/rdt_source.h"
+#include "drivers/rdt_source.h"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "hil/drivers/stamped_udp.h"
+#include "drivers/stamped_udp.h"
 
 namespace touchstone::hil {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "hil/drivers/netft.h"
+#include "drivers/netft.h"
 
 namespace touchstone::hil {
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/bota.h"
+#include "drivers/load_cell.h"
+#include "emulators/serial_emulator.h"
 #include "harness/base/error.h"
-#include "hil/drivers/bota.h"
-#include "hil/drivers/load_cell.h"
-#include "hil/emulators/serial_emulator.h"
 
 namespace touchstone::hil {
 namespace {

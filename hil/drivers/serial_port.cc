@@ -1,4 +1,4 @@
-#include "hil/drivers/serial_port.h"
+#include "drivers/serial_port.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "hil/drivers/stamped_udp.h"
+#include "drivers/stamped_udp.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -1,5 +1,5 @@
 // Arrivals by the kernel's stamps while somebody sets the system's clock: exact numbers, no socket.
-#include "hil/drivers/stamped_udp.h"
+#include "drivers/stamped_udp.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hil/drivers/tcp_line.h"
+#include "drivers/tcp_line.h"
 
 #include <fmt/format.h>
 #include <netdb.h>
@@ -15,7 +15,7 @@
 #include <memory>
 #include <utility>
 
-#include "hil/drivers/stamped_udp.h"
+#include "drivers/stamped_udp.h"
 
 namespace touchstone::hil {
 namespace {

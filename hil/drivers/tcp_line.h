@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/drivers/usb.h"
+#include "drivers/usb.h"
 
 #include <fmt/format.h>
 #include <libusb-1.0/libusb.h>

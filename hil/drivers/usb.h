@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/device_error.h"
+#include "devices/device_error.h"
 
 struct libusb_context;
 struct libusb_device_handle;

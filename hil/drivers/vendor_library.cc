@@ -1,4 +1,4 @@
-#include "hil/drivers/vendor_library.h"
+#include "drivers/vendor_library.h"
 
 #include <dlfcn.h>
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/device_error.h"
+#include "devices/device_error.h"
 
 namespace touchstone::hil {
 

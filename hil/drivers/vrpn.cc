@@ -1,4 +1,4 @@
-#include "hil/drivers/vrpn.h"
+#include "drivers/vrpn.h"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <map>
 
+#include "drivers/byte_reader.h"
+#include "drivers/record_count.h"
+#include "drivers/tcp_line.h"
 #include "harness/base/error.h"
-#include "hil/drivers/byte_reader.h"
-#include "hil/drivers/record_count.h"
-#include "hil/drivers/tcp_line.h"
 
 namespace touchstone::hil {
 

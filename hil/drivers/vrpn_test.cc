@@ -1,5 +1,5 @@
 // The VRPN driver against what a server built from VRPN's sources sent, and an emulator made of it.
-#include "hil/drivers/vrpn.h"
+#include "drivers/vrpn.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <vector>
 
+#include "drivers/byte_reader.h"
+#include "emulators/vrpn_answers.h"
+#include "emulators/vrpn_emulator.h"
 #include "harness/base/random.h"
-#include "hil/drivers/byte_reader.h"
-#include "hil/emulators/vrpn_answers.h"
-#include "hil/emulators/vrpn_emulator.h"
 
 namespace touchstone::hil {
 using recording::sample_not_tracked;

@@ -1,4 +1,4 @@
-#include "hil/drivers/web_socket.h"
+#include "drivers/web_socket.h"
 
 #include <fmt/format.h>
 

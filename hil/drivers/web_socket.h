@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

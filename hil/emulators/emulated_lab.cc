@@ -9,9 +9,9 @@
 #include <cstdio>
 #include <cstring>
 
+#include "emulators/natnet_emulator.h"
+#include "emulators/netft_emulator.h"
 #include "harness/base/atomic_file.h"
-#include "hil/emulators/natnet_emulator.h"
-#include "hil/emulators/netft_emulator.h"
 
 int main(int argc, char** argv) {
   using namespace touchstone;

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "hil/emulators/usb_emulator.h"
+#include "emulators/usb_emulator.h"
 
 namespace touchstone::hil {
 namespace {

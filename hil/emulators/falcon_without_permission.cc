@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "hil/drivers/falcon.h"
-#include "hil/emulators/usb_emulator.h"
+#include "drivers/falcon.h"
+#include "emulators/usb_emulator.h"
 
 int main() {
   using namespace touchstone::hil;

@@ -13,14 +13,14 @@
 #include <thread>
 #include <utility>
 
+#include "drivers/comedi_daq.h"
+#include "drivers/falcon.h"
+#include "drivers/netft.h"
+#include "drivers/usb.h"
+#include "emulators/netft_emulator.h"
+#include "emulators/permission_denied.h"
+#include "emulators/usb_emulator.h"
 #include "harness/base/atomic_file.h"
-#include "hil/drivers/comedi_daq.h"
-#include "hil/drivers/falcon.h"
-#include "hil/drivers/netft.h"
-#include "hil/drivers/usb.h"
-#include "hil/emulators/netft_emulator.h"
-#include "hil/emulators/permission_denied.h"
-#include "hil/emulators/usb_emulator.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/emulators/faulty_device.h"
+#include "emulators/faulty_device.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "hil/emulators/haptic_emulator.h"
+#include "emulators/haptic_emulator.h"
 
 namespace touchstone::hil {
 namespace {

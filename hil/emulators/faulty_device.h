@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

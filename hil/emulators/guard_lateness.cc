@@ -1,4 +1,4 @@
-#include "hil/emulators/guard_lateness.h"
+#include "emulators/guard_lateness.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

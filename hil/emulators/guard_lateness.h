@@ -11,7 +11,7 @@
 #include <deque>
 #include <memory>
 
-#include "hil/safety/guardian.h"
+#include "safety/guardian.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/emulators/guard_lateness.h"
+#include "emulators/guard_lateness.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

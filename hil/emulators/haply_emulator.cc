@@ -1,4 +1,4 @@
-#include "hil/emulators/haply_emulator.h"
+#include "emulators/haply_emulator.h"
 
 #include <netinet/in.h>
 #include <poll.h>
@@ -12,7 +12,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "hil/emulators/loopback_socket.h"
+#include "emulators/loopback_socket.h"
 
 namespace touchstone::hil {
 namespace {

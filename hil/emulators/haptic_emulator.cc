@@ -1,4 +1,4 @@
-#include "hil/emulators/haptic_emulator.h"
+#include "emulators/haptic_emulator.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

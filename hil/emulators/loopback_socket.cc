@@ -1,4 +1,4 @@
-#include "hil/emulators/loopback_socket.h"
+#include "emulators/loopback_socket.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

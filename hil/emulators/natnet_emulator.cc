@@ -1,4 +1,4 @@
-#include "hil/emulators/natnet_emulator.h"
+#include "emulators/natnet_emulator.h"
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "hil/emulators/loopback_socket.h"
+#include "emulators/loopback_socket.h"
 
 namespace touchstone::hil {
 namespace {

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/emulators/ndi_emulator.h"
+#include "emulators/ndi_emulator.h"
 
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -10,7 +10,7 @@
 #include <memory>
 #include <utility>
 
-#include "hil/emulators/loopback_socket.h"
+#include "emulators/loopback_socket.h"
 
 namespace touchstone::hil {
 namespace {

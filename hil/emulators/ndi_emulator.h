@@ -12,8 +12,8 @@
 #include <string>
 #include <thread>
 
-#include "hil/emulators/natnet_emulator.h"
-#include "hil/emulators/serial_emulator.h"
+#include "emulators/natnet_emulator.h"
+#include "emulators/serial_emulator.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/emulators/netft_emulator.h"
+#include "emulators/netft_emulator.h"
 
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -13,8 +13,8 @@
 #include <optional>
 #include <vector>
 
-#include "hil/emulators/loopback_socket.h"
-#include "hil/emulators/netft_answers.h"
+#include "emulators/loopback_socket.h"
+#include "emulators/netft_answers.h"
 
 namespace touchstone::hil {
 namespace {

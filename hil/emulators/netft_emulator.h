@@ -11,7 +11,7 @@
 #include <memory>
 #include <thread>
 
-#include "hil/drivers/netft.h"
+#include "drivers/netft.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/emulators/onrobot_emulator.h"
+#include "emulators/onrobot_emulator.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "hil/emulators/loopback_socket.h"
+#include "emulators/loopback_socket.h"
 
 namespace touchstone::hil {
 namespace {

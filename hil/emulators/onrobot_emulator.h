@@ -9,7 +9,7 @@
 #include <functional>
 #include <thread>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

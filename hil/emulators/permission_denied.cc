@@ -1,4 +1,4 @@
-#include "hil/emulators/permission_denied.h"
+#include "emulators/permission_denied.h"
 
 #include <array>
 #include <cstdio>

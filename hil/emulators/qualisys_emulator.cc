@@ -1,4 +1,4 @@
-#include "hil/emulators/qualisys_emulator.h"
+#include "emulators/qualisys_emulator.h"
 
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -11,7 +11,7 @@
 #include <cstring>
 #include <utility>
 
-#include "hil/emulators/loopback_socket.h"
+#include "emulators/loopback_socket.h"
 
 namespace touchstone::hil {
 namespace {

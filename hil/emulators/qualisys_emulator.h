@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "hil/emulators/natnet_emulator.h"
+#include "emulators/natnet_emulator.h"
 
 namespace touchstone::hil {
 

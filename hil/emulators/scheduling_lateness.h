@@ -6,7 +6,7 @@
 #include <atomic>
 #include <thread>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

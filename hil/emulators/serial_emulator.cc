@@ -1,4 +1,4 @@
-#include "hil/emulators/serial_emulator.h"
+#include "emulators/serial_emulator.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

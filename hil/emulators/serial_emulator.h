@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/emulators/simulated_bench.h"
+#include "emulators/simulated_bench.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,9 +10,9 @@
 #include <memory>
 #include <string>
 
+#include "devices/interfaces.h"
 #include "harness/base/random.h"
-#include "hil/devices/interfaces.h"
-#include "hil/safety/dead_man.h"
+#include "safety/dead_man.h"
 
 namespace touchstone::hil {
 

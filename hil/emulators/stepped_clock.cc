@@ -1,4 +1,4 @@
-#include "hil/emulators/stepped_clock.h"
+#include "emulators/stepped_clock.h"
 
 #include <sys/socket.h>
 #include <sys/syscall.h>

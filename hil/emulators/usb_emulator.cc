@@ -1,4 +1,4 @@
-#include "hil/emulators/usb_emulator.h"
+#include "emulators/usb_emulator.h"
 
 #include <fmt/format.h>
 #include <linux/usbdevice_fs.h>

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/drivers/falcon.h"
+#include "drivers/falcon.h"
 
 namespace touchstone::hil {
 

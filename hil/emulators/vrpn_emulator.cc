@@ -1,4 +1,4 @@
-#include "hil/emulators/vrpn_emulator.h"
+#include "emulators/vrpn_emulator.h"
 
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -11,8 +11,8 @@
 #include <cstring>
 #include <string>
 
-#include "hil/emulators/loopback_socket.h"
-#include "hil/emulators/vrpn_answers.h"
+#include "emulators/loopback_socket.h"
+#include "emulators/vrpn_answers.h"
 
 namespace touchstone::hil {
 namespace {

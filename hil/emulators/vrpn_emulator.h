@@ -7,7 +7,7 @@
 #include <functional>
 #include <thread>
 
-#include "hil/emulators/natnet_emulator.h"
+#include "emulators/natnet_emulator.h"
 
 namespace touchstone::hil {
 

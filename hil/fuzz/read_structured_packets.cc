@@ -1,4 +1,4 @@
-#include "hil/fuzz/read_structured_packets.h"
+#include "fuzz/read_structured_packets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,19 +8,19 @@
 #include <string>
 #include <vector>
 
+#include "devices/interfaces.h"
+#include "drivers/bota.h"
+#include "drivers/leptrino.h"
+#include "drivers/natnet.h"
+#include "drivers/ndi.h"
+#include "drivers/netft.h"
+#include "drivers/qualisys.h"
+#include "drivers/vrpn.h"
+#include "emulators/natnet_emulator.h"
+#include "emulators/netft_answers.h"
+#include "emulators/vrpn_answers.h"
 #include "harness/base/error.h"
 #include "harness/testing/choices.h"
-#include "hil/devices/interfaces.h"
-#include "hil/drivers/bota.h"
-#include "hil/drivers/leptrino.h"
-#include "hil/drivers/natnet.h"
-#include "hil/drivers/ndi.h"
-#include "hil/drivers/netft.h"
-#include "hil/drivers/qualisys.h"
-#include "hil/drivers/vrpn.h"
-#include "hil/emulators/natnet_emulator.h"
-#include "hil/emulators/netft_answers.h"
-#include "hil/emulators/vrpn_answers.h"
 
 namespace touchstone::hil::fuzz {
 namespace {

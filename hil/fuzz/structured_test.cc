@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "fuzz/read_structured_packets.h"
 #include "harness/base/random.h"
-#include "hil/fuzz/read_structured_packets.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/lab/analysis.h"
+#include "lab/analysis.h"
 
 #include <fmt/format.h>
 #include <sched.h>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/lab/availability.h"
+#include "lab/availability.h"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "hil/devices/probe.h"
+#include "devices/probe.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/lab/evidence.h"
+#include "lab/evidence.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/markup.h"
 #include "harness/base/version.h"
-#include "hil/lab/analysis.h"
+#include "lab/analysis.h"
 
 namespace touchstone::hil {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/interfaces.h"
-#include "hil/lab/finding.h"
+#include "devices/interfaces.h"
+#include "lab/finding.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/lab/evidence_page.h"
+#include "lab/evidence_page.h"
 
 #include <fmt/format.h>
 

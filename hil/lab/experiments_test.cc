@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "hil/emulators/simulated_bench.h"
-#include "hil/lab/force_experiments.h"
-#include "hil/lab/motion_experiments.h"
-#include "hil/lab/wall_experiment.h"
+#include "emulators/simulated_bench.h"
+#include "lab/force_experiments.h"
+#include "lab/motion_experiments.h"
+#include "lab/wall_experiment.h"
 
 namespace touchstone::hil {
 namespace {

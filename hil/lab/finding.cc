@@ -1,4 +1,4 @@
-#include "hil/lab/finding.h"
+#include "lab/finding.h"
 
 #include <fmt/format.h>
 

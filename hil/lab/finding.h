@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/lab/servo_loop.h"
+#include "lab/servo_loop.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/lab/force_experiments.h"
+#include "lab/force_experiments.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <complex>
 #include <numbers>
 
-#include "hil/lab/analysis.h"
+#include "lab/analysis.h"
 
 namespace touchstone::hil {
 namespace {

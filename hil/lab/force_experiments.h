@@ -6,8 +6,8 @@
 #include <functional>
 #include <vector>
 
-#include "hil/lab/finding.h"
-#include "hil/lab/servo_loop.h"
+#include "lab/finding.h"
+#include "lab/servo_loop.h"
 
 namespace touchstone::hil {
 

@@ -6,18 +6,18 @@
 #include <cmath>
 #include <filesystem>
 
+#include "emulators/haptic_emulator.h"
 #include "harness/golden/case_runner.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/embree_surface.h"
-#include "hil/emulators/haptic_emulator.h"
-#include "hil/lab/analysis.h"
-#include "hil/lab/force_experiments.h"
-#include "hil/lab/motion_experiments.h"
-#include "hil/lab/suite.h"
-#include "hil/lab/wall_experiment.h"
-#include "hil/safety/guardian.h"
+#include "lab/analysis.h"
+#include "lab/force_experiments.h"
+#include "lab/motion_experiments.h"
+#include "lab/suite.h"
+#include "lab/wall_experiment.h"
 #include "renderers/catalogue.h"
+#include "safety/guardian.h"
 #include "synthetic/generators.h"
 
 namespace touchstone::hil {

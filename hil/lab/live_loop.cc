@@ -1,9 +1,9 @@
-#include "hil/lab/live_loop.h"
+#include "lab/live_loop.h"
 
 #include <cmath>
 #include <utility>
 
-#include "hil/drivers/device_table.h"
+#include "drivers/device_table.h"
 
 namespace touchstone::hil {
 namespace {

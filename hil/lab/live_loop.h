@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/safety/dead_man.h"
-#include "hil/safety/guardian.h"
+#include "safety/dead_man.h"
+#include "safety/guardian.h"
 
 namespace touchstone::hil {
 

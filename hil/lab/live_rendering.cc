@@ -1,4 +1,4 @@
-#include "hil/lab/live_rendering.h"
+#include "lab/live_rendering.h"
 
 #include <fmt/format.h>
 

@@ -11,7 +11,7 @@
 
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/renderer.h"
-#include "hil/lab/live_loop.h"
+#include "lab/live_loop.h"
 
 namespace touchstone::hil {
 

@@ -1,6 +1,6 @@
 // A renderer on a handle that moves by itself, against its replay: right, stiffer than its twin, broken, without a
 // number, and cut by the guard.
-#include "hil/lab/live_rendering.h"
+#include "lab/live_rendering.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

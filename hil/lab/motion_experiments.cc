@@ -1,4 +1,4 @@
-#include "hil/lab/motion_experiments.h"
+#include "lab/motion_experiments.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "harness/base/least_squares.h"
-#include "hil/lab/analysis.h"
+#include "lab/analysis.h"
 
 namespace touchstone::hil {
 namespace {

@@ -2,8 +2,8 @@
 // runs.
 #pragma once
 
-#include "hil/lab/finding.h"
-#include "hil/lab/servo_loop.h"
+#include "lab/finding.h"
+#include "lab/servo_loop.h"
 
 namespace touchstone::hil {
 

@@ -17,20 +17,20 @@
 #include <numbers>
 #include <string_view>
 
+#include "devices/device_lock.h"
+#include "devices/probe.h"
+#include "emulators/haply_emulator.h"
+#include "emulators/ndi_emulator.h"
+#include "emulators/netft_emulator.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
 #include "harness/base/random.h"
 #include "harness/testing/built_program.h"
 #include "harness/testing/steps.h"
-#include "hil/devices/device_lock.h"
-#include "hil/devices/probe.h"
-#include "hil/emulators/haply_emulator.h"
-#include "hil/emulators/ndi_emulator.h"
-#include "hil/emulators/netft_emulator.h"
-#include "hil/lab/analysis.h"
-#include "hil/lab/availability.h"
-#include "hil/lab/evidence.h"
-#include "hil/lab/force_experiments.h"
+#include "lab/analysis.h"
+#include "lab/availability.h"
+#include "lab/evidence.h"
+#include "lab/force_experiments.h"
 
 namespace touchstone::hil {
 namespace {

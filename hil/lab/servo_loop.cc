@@ -1,4 +1,4 @@
-#include "hil/lab/servo_loop.h"
+#include "lab/servo_loop.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "hil/drivers/device_table.h"
+#include "drivers/device_table.h"
 
 namespace touchstone::hil {
 namespace {

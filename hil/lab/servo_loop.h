@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/safety/dead_man.h"
-#include "hil/safety/force_supervisor.h"
+#include "safety/dead_man.h"
+#include "safety/force_supervisor.h"
 
 namespace touchstone::hil {
 

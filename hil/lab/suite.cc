@@ -1,13 +1,13 @@
-#include "hil/lab/suite.h"
+#include "lab/suite.h"
 
 #include <fmt/format.h>
 
 #include <cstdlib>
 #include <string_view>
 
-#include "hil/drivers/device_table.h"
-#include "hil/drivers/open_mapped.h"
-#include "hil/safety/guardian.h"
+#include "drivers/device_table.h"
+#include "drivers/open_mapped.h"
+#include "safety/guardian.h"
 
 namespace touchstone::hil {
 namespace {

@@ -9,15 +9,15 @@
 #include <memory>
 #include <string>
 
-#include "hil/devices/device_lock.h"
-#include "hil/devices/hardware_map.h"
-#include "hil/emulators/simulated_bench.h"
-#include "hil/lab/availability.h"
-#include "hil/lab/evidence.h"
-#include "hil/lab/finding.h"
-#include "hil/lab/servo_loop.h"
-#include "hil/safety/guardian.h"
-#include "hil/safety/stop_signal.h"
+#include "devices/device_lock.h"
+#include "devices/hardware_map.h"
+#include "emulators/simulated_bench.h"
+#include "lab/availability.h"
+#include "lab/evidence.h"
+#include "lab/finding.h"
+#include "lab/servo_loop.h"
+#include "safety/guardian.h"
+#include "safety/stop_signal.h"
 
 namespace touchstone::hil {
 

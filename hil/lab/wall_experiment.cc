@@ -1,11 +1,11 @@
-#include "hil/lab/wall_experiment.h"
+#include "lab/wall_experiment.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "hil/lab/analysis.h"
+#include "lab/analysis.h"
 
 namespace touchstone::hil {
 namespace {

@@ -7,13 +7,13 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "emulators/netft_emulator.h"
 #include "harness/base/random.h"
 #include "harness/base/rotations.h"
 #include "harness/recording/tool_load.h"
-#include "hil/emulators/netft_emulator.h"
-#include "hil/lab/analysis.h"
-#include "hil/lab/force_experiments.h"
-#include "hil/lab/suite.h"
+#include "lab/analysis.h"
+#include "lab/force_experiments.h"
+#include "lab/suite.h"
 
 namespace touchstone::hil {
 namespace {

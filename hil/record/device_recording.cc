@@ -1,4 +1,4 @@
-#include "hil/record/device_recording.h"
+#include "record/device_recording.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -8,10 +8,10 @@
 #include <cstdio>
 #include <memory>
 
+#include "devices/device_lock.h"
+#include "devices/probe.h"
+#include "drivers/device_table.h"
 #include "harness/base/error.h"
-#include "hil/devices/device_lock.h"
-#include "hil/devices/probe.h"
-#include "hil/drivers/device_table.h"
 
 namespace touchstone::hil {
 

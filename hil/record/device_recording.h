@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/hardware_map.h"
-#include "hil/record/multi_session.h"
-#include "hil/record/open_stream.h"
-#include "hil/record/record_session.h"
-#include "hil/record/stream_export.h"
+#include "devices/hardware_map.h"
+#include "record/multi_session.h"
+#include "record/open_stream.h"
+#include "record/record_session.h"
+#include "record/stream_export.h"
 
 namespace touchstone::hil {
 

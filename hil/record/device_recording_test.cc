@@ -1,4 +1,4 @@
-#include "hil/record/device_recording.h"
+#include "record/device_recording.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "hil/record/multi_session.h"
+#include "record/multi_session.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 #include "harness/base/error.h"
 #include "harness/base/partial_files.h"
 #include "harness/recording/envelope_clock.h"
-#include "hil/lab/analysis.h"
+#include "lab/analysis.h"
 
 namespace touchstone::hil {
 namespace {

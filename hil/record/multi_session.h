@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/record/raw_recorder.h"
-#include "hil/record/stream.h"
+#include "record/raw_recorder.h"
+#include "record/stream.h"
 
 namespace touchstone::hil {
 

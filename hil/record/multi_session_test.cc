@@ -1,6 +1,6 @@
 // Several emulated devices in one run: what they send is what the files hold, whatever happens to one of them, to the
 // program or to the disk.
-#include "hil/record/multi_session.h"
+#include "record/multi_session.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -17,18 +17,18 @@
 #include <sstream>
 #include <thread>
 
+#include "drivers/natnet.h"
+#include "drivers/ndi.h"
+#include "emulators/haptic_emulator.h"
+#include "emulators/natnet_emulator.h"
+#include "emulators/ndi_emulator.h"
+#include "emulators/netft_emulator.h"
+#include "emulators/scheduling_lateness.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/thread_sanitizer.h"
-#include "hil/drivers/natnet.h"
-#include "hil/drivers/ndi.h"
-#include "hil/emulators/haptic_emulator.h"
-#include "hil/emulators/natnet_emulator.h"
-#include "hil/emulators/ndi_emulator.h"
-#include "hil/emulators/netft_emulator.h"
-#include "hil/emulators/scheduling_lateness.h"
-#include "hil/record/device_recording.h"
-#include "hil/record/stream_export.h"
+#include "record/device_recording.h"
+#include "record/stream_export.h"
 
 namespace touchstone::hil {
 namespace {

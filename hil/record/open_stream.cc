@@ -1,9 +1,9 @@
-#include "hil/record/open_stream.h"
+#include "record/open_stream.h"
 
 #include <fmt/format.h>
 
+#include "drivers/device_table.h"
 #include "harness/base/error.h"
-#include "hil/drivers/device_table.h"
 
 namespace touchstone::hil {
 

@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "hil/devices/hardware_map.h"
-#include "hil/drivers/open_mapped.h"
-#include "hil/record/stream.h"
+#include "devices/hardware_map.h"
+#include "drivers/open_mapped.h"
+#include "record/stream.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/record/raw_recorder.h"
+#include "record/raw_recorder.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "hil/record/raw_recording.h"
+#include "record/raw_recording.h"
 
 namespace touchstone::hil {
 

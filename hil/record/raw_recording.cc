@@ -1,4 +1,4 @@
-#include "hil/record/raw_recording.h"
+#include "record/raw_recording.h"
 
 #include <fmt/format.h>
 #include <xxhash.h>

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/record/raw_recording.h"
+#include "record/raw_recording.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/random.h"
-#include "hil/record/raw_recorder.h"
+#include "record/raw_recorder.h"
 
 namespace touchstone::hil {
 namespace {

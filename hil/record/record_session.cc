@@ -1,4 +1,4 @@
-#include "hil/record/record_session.h"
+#include "record/record_session.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -10,8 +10,8 @@
 #include <cstdio>
 
 #include "harness/base/bar_line.h"
-#include "hil/lab/analysis.h"
-#include "hil/record/stream.h"
+#include "lab/analysis.h"
+#include "record/stream.h"
 
 namespace touchstone::hil {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/record/raw_recorder.h"
+#include "record/raw_recorder.h"
 
 namespace touchstone::hil {
 

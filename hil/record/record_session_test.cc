@@ -1,4 +1,4 @@
-#include "hil/record/record_session.h"
+#include "record/record_session.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include "emulators/netft_emulator.h"
 #include "harness/base/error.h"
-#include "hil/emulators/netft_emulator.h"
-#include "hil/record/device_recording.h"
-#include "hil/record/stream_export.h"
+#include "record/device_recording.h"
+#include "record/stream_export.h"
 
 namespace touchstone::hil {
 namespace {

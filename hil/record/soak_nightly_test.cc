@@ -14,13 +14,13 @@
 #include <thread>
 #include <vector>
 
+#include "drivers/natnet.h"
+#include "emulators/natnet_emulator.h"
+#include "emulators/netft_emulator.h"
 #include "harness/base/random.h"
 #include "harness/recording/drifting_clock.h"
-#include "hil/drivers/natnet.h"
-#include "hil/emulators/natnet_emulator.h"
-#include "hil/emulators/netft_emulator.h"
-#include "hil/record/multi_session.h"
-#include "hil/record/record_session.h"
+#include "record/multi_session.h"
+#include "record/record_session.h"
 
 namespace touchstone::hil {
 namespace {

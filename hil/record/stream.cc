@@ -1,4 +1,4 @@
-#include "hil/record/stream.h"
+#include "record/stream.h"
 
 #include <fmt/format.h>
 

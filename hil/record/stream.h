@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "hil/devices/interfaces.h"
-#include "hil/record/raw_recording.h"
+#include "devices/interfaces.h"
+#include "record/raw_recording.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/record/stream_export.h"
+#include "record/stream_export.h"
 
 #include <fmt/format.h>
 

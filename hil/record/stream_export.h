@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "harness/recording/drifting_clock.h"
-#include "hil/record/stream.h"
+#include "record/stream.h"
 
 namespace touchstone::hil {
 

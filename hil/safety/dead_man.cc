@@ -1,4 +1,4 @@
-#include "hil/safety/dead_man.h"
+#include "safety/dead_man.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

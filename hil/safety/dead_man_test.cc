@@ -1,6 +1,6 @@
 // Every source of the dead-man input: held while it is held, and released by all that can go wrong. Times are given, so
 // nothing here depends on how busy the machine is.
-#include "hil/safety/dead_man.h"
+#include "safety/dead_man.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -18,7 +18,7 @@
 #include <string_view>
 
 #include "harness/testing/steps.h"
-#include "hil/safety/force_supervisor.h"
+#include "safety/force_supervisor.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,9 +1,9 @@
 #include <cmath>
 #include <exception>
 
-#include "hil/safety/guard_messages.h"
-#include "hil/safety/guard_processes.h"
-#include "hil/safety/harden.h"
+#include "safety/guard_messages.h"
+#include "safety/guard_processes.h"
+#include "safety/harden.h"
 
 namespace touchstone::hil {
 namespace {

@@ -10,10 +10,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "hil/emulators/haptic_emulator.h"
-#include "hil/safety/force_supervisor.h"
-#include "hil/safety/guardian.h"
-#include "hil/safety/stop_signal.h"
+#include "emulators/haptic_emulator.h"
+#include "safety/force_supervisor.h"
+#include "safety/guardian.h"
+#include "safety/stop_signal.h"
 
 namespace {
 

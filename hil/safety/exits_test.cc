@@ -15,7 +15,7 @@
 #include <filesystem>
 #include <string>
 
-#include "hil/emulators/haptic_emulator.h"
+#include "emulators/haptic_emulator.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/safety/force_supervisor.h"
+#include "safety/force_supervisor.h"
 
 #include <algorithm>
 #include <array>

@@ -9,7 +9,7 @@
 #include <limits>
 #include <string_view>
 
-#include "hil/devices/interfaces.h"
+#include "devices/interfaces.h"
 
 namespace touchstone::hil {
 

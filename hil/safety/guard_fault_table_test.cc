@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "harness/base/atomic_file.h"
-#include "hil/safety/guard_trial.h"
+#include "safety/guard_trial.h"
 
 namespace touchstone::hil {
 namespace {

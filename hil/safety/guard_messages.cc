@@ -1,4 +1,4 @@
-#include "hil/safety/guard_messages.h"
+#include "safety/guard_messages.h"
 
 #include <poll.h>
 #include <sys/socket.h>

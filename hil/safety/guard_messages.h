@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "hil/devices/interfaces.h"
-#include "hil/safety/force_supervisor.h"
+#include "devices/interfaces.h"
+#include "safety/force_supervisor.h"
 
 namespace touchstone::hil {
 

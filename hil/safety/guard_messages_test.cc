@@ -1,4 +1,4 @@
-#include "hil/safety/guard_messages.h"
+#include "safety/guard_messages.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/safety/force_supervisor.h"
+#include "safety/force_supervisor.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/safety/guard_page.h"
+#include "safety/guard_page.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/safety/guard_trial.h"
+#include "safety/guard_trial.h"
 
 namespace touchstone::hil {
 namespace {

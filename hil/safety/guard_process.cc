@@ -9,11 +9,11 @@
 #include <csignal>
 #include <ctime>
 
-#include "hil/devices/device_lock.h"
-#include "hil/safety/guard_messages.h"
-#include "hil/safety/guard_processes.h"
-#include "hil/safety/harden.h"
-#include "hil/safety/rescue.h"
+#include "devices/device_lock.h"
+#include "safety/guard_messages.h"
+#include "safety/guard_processes.h"
+#include "safety/harden.h"
+#include "safety/rescue.h"
 
 namespace touchstone::hil {
 namespace {

@@ -10,7 +10,7 @@
 #include <functional>
 #include <memory>
 
-#include "hil/safety/guardian.h"
+#include "safety/guardian.h"
 
 namespace touchstone::hil {
 

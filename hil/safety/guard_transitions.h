@@ -2,7 +2,7 @@
 // table (guard_fault_table_test.cc), and check a model that is built on it exhaustively (guard_transitions_test.cc).
 #pragma once
 
-#include "hil/safety/guard_page.h"
+#include "safety/guard_page.h"
 
 namespace touchstone::hil {
 

@@ -1,7 +1,7 @@
 // A model of program, guard, driver, rescuer and device, checked exhaustively: every interleaving of their steps, with
 // every combination of faults that the budget allows. The model says what each process does as guardian.h describes it;
 // it knows nothing of time, so "in the end" stands for the bounds that guard_fault_table_test.cc measures.
-#include "hil/safety/guard_transitions.h"
+#include "safety/guard_transitions.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

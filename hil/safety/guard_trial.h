@@ -24,12 +24,12 @@
 #include <string>
 #include <vector>
 
+#include "emulators/faulty_device.h"
+#include "emulators/guard_lateness.h"
+#include "emulators/haptic_emulator.h"
 #include "harness/base/atomic_file.h"
-#include "hil/emulators/faulty_device.h"
-#include "hil/emulators/guard_lateness.h"
-#include "hil/emulators/haptic_emulator.h"
-#include "hil/safety/guard_transitions.h"
-#include "hil/safety/guardian.h"
+#include "safety/guard_transitions.h"
+#include "safety/guardian.h"
 
 namespace touchstone::hil {
 

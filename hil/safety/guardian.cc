@@ -1,4 +1,4 @@
-#include "hil/safety/guardian.h"
+#include "safety/guardian.h"
 
 #include <fmt/format.h>
 #include <sys/socket.h>
@@ -12,9 +12,9 @@
 #include <cstring>
 
 #include "harness/base/error.h"
-#include "hil/safety/guard_messages.h"
-#include "hil/safety/guard_processes.h"
-#include "hil/safety/rescue.h"
+#include "safety/guard_messages.h"
+#include "safety/guard_processes.h"
+#include "safety/rescue.h"
 
 namespace touchstone::hil {
 namespace {

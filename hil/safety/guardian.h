@@ -28,8 +28,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/interfaces.h"
-#include "hil/safety/guard_page.h"
+#include "devices/interfaces.h"
+#include "safety/guard_page.h"
 
 namespace touchstone::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/safety/harden.h"
+#include "safety/harden.h"
 
 #include <fcntl.h>
 #include <sched.h>

@@ -1,5 +1,5 @@
 // What a guard asks of the machine, as the kernel has it in /proc, and what it says it did not get.
-#include "hil/safety/harden.h"
+#include "safety/harden.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "hil/safety/rescue.h"
+#include "safety/rescue.h"
 
 #include <poll.h>
 #include <sys/prctl.h>

@@ -7,7 +7,7 @@
 
 #include <sys/types.h>
 
-#include "hil/safety/guard_processes.h"
+#include "safety/guard_processes.h"
 
 namespace touchstone::hil {
 

@@ -4,9 +4,9 @@
 #include <csignal>
 #include <ctime>
 
-#include "hil/safety/guard_processes.h"
-#include "hil/safety/harden.h"
-#include "hil/safety/rescue.h"
+#include "safety/guard_processes.h"
+#include "safety/harden.h"
+#include "safety/rescue.h"
 
 namespace touchstone::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/safety/stop_signal.h"
+#include "safety/stop_signal.h"
 
 #include <ctime>
 #include <initializer_list>

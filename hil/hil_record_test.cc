@@ -9,15 +9,15 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "emulators/haply_emulator.h"
+#include "emulators/natnet_emulator.h"
+#include "emulators/netft_emulator.h"
+#include "emulators/qualisys_emulator.h"
+#include "emulators/serial_emulator.h"
+#include "emulators/vrpn_emulator.h"
 #include "harness/testing/built_program.h"
-#include "hil/emulators/haply_emulator.h"
-#include "hil/emulators/natnet_emulator.h"
-#include "hil/emulators/netft_emulator.h"
-#include "hil/emulators/qualisys_emulator.h"
-#include "hil/emulators/serial_emulator.h"
-#include "hil/emulators/vrpn_emulator.h"
 
-namespace touchstone::apps {
+namespace touchstone::hil {
 namespace {
 
 using ::testing::AllOf;
@@ -32,23 +32,23 @@ class HilRecord : public testing::BuiltProgram {
   void map(const std::string& devices) {
     write_file(folder_ / "map.json", R"({"schema": "touchstone-hardware/1", "devices": [)" + devices + "]}");
   }
-  static std::string netft(const hil::NetFtEmulator& sensor) {
+  static std::string netft(const NetFtEmulator& sensor) {
     return fmt::format(R"({{"id": "ati-netft", "address": "127.0.0.1", "http_port": {}, "udp_port": {}}})",
                        sensor.address().http_port, sensor.address().udp_port);
   }
-  static std::string optitrack(const hil::NatNetEmulator& motive) {
+  static std::string optitrack(const NatNetEmulator& motive) {
     return fmt::format(R"({{"id": "optitrack", "address": "127.0.0.1", "port": {}, "body": "probe", "rate_Hz": 120}})",
                        motive.command_port());
   }
-  const double began_s_ = hil::MonotonicClock().now_s();
-  hil::MonotonicClock clock_;
+  const double began_s_ = MonotonicClock().now_s();
+  MonotonicClock clock_;
   [[nodiscard]] double now() const { return clock_.now_s() - began_s_; }
 };
 
 TEST_F(HilRecord, ForceAndTrackerBecomeARecording) {
-  hil::NetFtEmulator sensor(2000, {}, [this](double) { return Wrench{Vec3(0, 0, push_N(now())), Vec3::Zero()}; });
-  hil::NatNetEmulator motive(120, {}, [this, &motive](double t) {
-    return hil::EmulatedPose{tip(t + motive.began_s() - began_s_), Quat::Identity(), true};
+  NetFtEmulator sensor(2000, {}, [this](double) { return Wrench{Vec3(0, 0, push_N(now())), Vec3::Zero()}; });
+  NatNetEmulator motive(120, {}, [this, &motive](double t) {
+    return EmulatedPose{tip(t + motive.began_s() - began_s_), Quat::Identity(), true};
   });
   map(netft(sensor) + ", " + optitrack(motive));
   write_file(folder_ / "acquisition.json",
@@ -73,14 +73,14 @@ TEST_F(HilRecord, ForceAndTrackerBecomeARecording) {
 }
 
 TEST_F(HilRecord, AStreamThatStopsIsNoSuccess) {
-  hil::NetFtEmulator sensor(1000, {}, [](double) { return Wrench{}; });
+  NetFtEmulator sensor(1000, {}, [](double) { return Wrench{}; });
   // It falls silent once some of what it sent, more than a header, stands in its file.
   constexpr std::uintmax_t some = 8192;
-  hil::NatNetEmulator motive(120, {}, [this, &motive](double) {
+  NatNetEmulator motive(120, {}, [this, &motive](double) {
     std::error_code not_there_yet;
     const auto size = std::filesystem::file_size(folder_ / "session" / "optitrack.tsraw", not_there_yet);
     if (!not_there_yet && size > some) motive.fall_silent();
-    return hil::EmulatedPose{};
+    return EmulatedPose{};
   });
   map(netft(sensor) + ", " + optitrack(motive));
   const auto outcome = run("hil record ati-netft optitrack --map map.json --seconds 60 --out session");
@@ -89,9 +89,9 @@ TEST_F(HilRecord, AStreamThatStopsIsNoSuccess) {
 }
 
 TEST_F(HilRecord, FramesFromAnotherAddressAreSaid) {
-  hil::NatNetFaults faults;
+  NatNetFaults faults;
   faults.second_card = true;
-  hil::NatNetEmulator motive(120, faults, [](double) { return hil::EmulatedPose{}; });
+  NatNetEmulator motive(120, faults, [](double) { return EmulatedPose{}; });
   map(optitrack(motive));
   const auto outcome = run("hil record optitrack --map map.json --silence 0.7 --seconds 60 --out session");
   EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
@@ -101,7 +101,7 @@ TEST_F(HilRecord, FramesFromAnotherAddressAreSaid) {
 
 // A list leaves a tracker's server alone; by its name it is asked.
 TEST_F(HilRecord, ProbeConnectsToATrackerOnlyIfItIsNamed) {
-  hil::NatNetEmulator motive(120, {}, [](double) { return hil::EmulatedPose{}; });
+  NatNetEmulator motive(120, {}, [](double) { return EmulatedPose{}; });
   map(optitrack(motive));
   const auto list = run("hil probe --map map.json --json list.json");
   EXPECT_THAT(list.out, HasSubstr("touchstone hil probe optitrack"));
@@ -121,12 +121,12 @@ TEST_F(HilRecord, ProbeConnectsToATrackerOnlyIfItIsNamed) {
 }
 
 TEST_F(HilRecord, EachDeviceOfTheTableIsRecordedByItsName) {
-  hil::SerialEmulator bota(hil::bota_sensor({}, [](double t) { return Wrench{Vec3(0, 0, t), Vec3::Zero()}; }));
-  hil::SerialEmulator cell(hil::load_cell_sketch(true, 80.0, [](double) { return 500.0; }));
-  hil::SerialEmulator pfs(hil::leptrino_sensor({}, [](double) { return Wrench{}; }));
-  hil::QualisysEmulator qtm(100.0, {}, [](double) { return hil::EmulatedPose{}; });
-  hil::VrpnEmulator vicon(100.0, [](double t) { return hil::EmulatedPose{Vec3(t, 0, 0), Quat::Identity(), true}; });
-  hil::HaplyEmulator inverse({}, [](double t) { return Vec3(0.01 * t, 0, 0); });
+  SerialEmulator bota(bota_sensor({}, [](double t) { return Wrench{Vec3(0, 0, t), Vec3::Zero()}; }));
+  SerialEmulator cell(load_cell_sketch(true, 80.0, [](double) { return 500.0; }));
+  SerialEmulator pfs(leptrino_sensor({}, [](double) { return Wrench{}; }));
+  QualisysEmulator qtm(100.0, {}, [](double) { return EmulatedPose{}; });
+  VrpnEmulator vicon(100.0, [](double t) { return EmulatedPose{Vec3(t, 0, 0), Quat::Identity(), true}; });
+  HaplyEmulator inverse({}, [](double t) { return Vec3(0.01 * t, 0, 0); });
   map(fmt::format(R"({{"id": "bota-serial", "address": "{}"}},
                      {{"id": "hx711-serial", "address": "{}", "newtons_per_unit": 0.00980665, "rate_Hz": 80}},
                      {{"id": "leptrino-serial", "address": "{}"}},
@@ -159,7 +159,7 @@ TEST_F(HilRecord, MistakesAreSaid) {
   map(R"({"id": "optitrack", "address": "x", "axis": "w"})");
   EXPECT_THAT(run("hil record optitrack --map map.json --out e").err, HasSubstr("x, y or z"));
   // A sensor in the place of another of its kind.
-  hil::SerialEmulator pfs(hil::leptrino_sensor({}, [](double) { return Wrench{}; }));
+  SerialEmulator pfs(leptrino_sensor({}, [](double) { return Wrench{}; }));
   map(fmt::format(R"({{"id": "leptrino-serial", "address": "{}", "serial": "1906001"}})", pfs.node()));
   EXPECT_THAT(run("hil record leptrino-serial --map map.json --out f").err,
               HasSubstr("serial 2606008, the hardware map wants 1906001"));
@@ -168,4 +168,4 @@ TEST_F(HilRecord, MistakesAreSaid) {
 }
 
 }  // namespace
-}  // namespace touchstone::apps
+}  // namespace touchstone::hil

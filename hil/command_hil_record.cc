@@ -4,14 +4,14 @@
 #include <memory>
 
 #include "apps/extras.h"
-#include "apps/hil_commands.h"
-#include "hil/record/device_recording.h"
-#include "hil/safety/stop_signal.h"
+#include "hil_commands.h"
+#include "record/device_recording.h"
+#include "safety/stop_signal.h"
 
-namespace touchstone::apps {
+namespace touchstone::hil {
 namespace {
 
-struct RecordOptions {
+struct RecordFlags {
   std::vector<std::string> devices;
   std::string map, out, acquire, force, motion;
   double seconds = 0.0, rate_Hz = 5000.0, handle_rate_Hz = 1000.0, silence_s = 2.0;
@@ -22,7 +22,7 @@ ExitStatus said(const std::vector<std::string>& problems, const std::string& who
   return problems.empty() ? ExitStatus::passed : ExitStatus::failed;
 }
 
-std::vector<std::string> axis_problems(const hil::SessionExport& session) {
+std::vector<std::string> axis_problems(const SessionExport& session) {
   std::vector<std::string> problems;
   for (const auto& table : session.tables) {
     if (const auto problem = table.report.axis_problem(); !problem.empty())
@@ -32,9 +32,9 @@ std::vector<std::string> axis_problems(const hil::SessionExport& session) {
 }
 
 // `touchstone acquire run`, which is an extra.
-ExitStatus acquire(const RecordOptions& options, const std::string& force, const std::string& motion,
+ExitStatus acquire(const RecordFlags& options, const std::string& force, const std::string& motion,
                    const std::vector<std::string>& more) {
-  const std::optional<Extra> extra = find_extra("acquire");
+  const std::optional<apps::Extra> extra = apps::find_extra("acquire");
   if (!extra) {
     throw UsageError(
         "--acquire needs the extra `touchstone acquire`; touchstone-acquire is neither beside this program nor on "
@@ -42,38 +42,38 @@ ExitStatus acquire(const RecordOptions& options, const std::string& force, const
   }
   std::vector<std::string> words{"run", options.acquire, "--force", force, "--motion", motion};
   words.insert(words.end(), more.begin(), more.end());
-  return run_extra_and_wait(*extra, words);
+  return apps::run_extra_and_wait(*extra, words);
 }
 
-ExitStatus record_one(const RecordOptions& options, const std::function<bool()>& stop) {
-  hil::RecordOptions record;
+ExitStatus record_one(const RecordFlags& options, const std::function<bool()>& stop) {
+  RecordOptions record;
   record.seconds = options.seconds;
   record.silence_s = options.silence_s;
   record.nominal_rate_Hz = options.rate_Hz;
   const std::string& id = options.devices.front();
-  const auto report = hil::record_device(id, hardware_map_from(options.map), options.out, record, stop);
-  fmt::print("{}", hil::record_text(report, options.out));
+  const auto report = record_device(id, hardware_map_from(options.map), options.out, record, stop);
+  fmt::print("{}", record_text(report, options.out));
   return said(report.problems(), id + ": ");
 }
 
-ExitStatus record_many(const RecordOptions& options, const std::function<bool()>& stop) {
+ExitStatus record_many(const RecordFlags& options, const std::function<bool()>& stop) {
   const std::filesystem::path folder = options.out;
   // What is wrong in it is said before anything is recorded.
   if (!options.acquire.empty()) {
     if (const ExitStatus read = acquire(options, "force.csv", "motion.csv", {"--check"}); read != ExitStatus::passed)
       return read;
   }
-  hil::MultiOptions record;
+  MultiOptions record;
   record.seconds = options.seconds;
   record.silence_s = options.silence_s;
-  record.show = hil::show_on_terminal();
+  record.show = show_on_terminal();
   const auto report =
-      hil::record_devices(options.devices, hardware_map_from(options.map), folder,
-                          {.card_rate_Hz = options.rate_Hz, .handle_rate_Hz = options.handle_rate_Hz}, record, stop);
-  fmt::print("{}", hil::record_text(report));
+      record_devices(options.devices, hardware_map_from(options.map), folder,
+                     {.card_rate_Hz = options.rate_Hz, .handle_rate_Hz = options.handle_rate_Hz}, record, stop);
+  fmt::print("{}", record_text(report));
   ExitStatus status = said(report.problems(), "");
-  const auto session = hil::export_session(folder);
-  fmt::print("{}", hil::session_text(session));
+  const auto session = export_session(folder);
+  fmt::print("{}", session_text(session));
   const auto uncertain = axis_problems(session);
   if (said(uncertain, "") != ExitStatus::passed) status = ExitStatus::failed;
   if (options.acquire.empty()) return status;
@@ -82,22 +82,22 @@ ExitStatus record_many(const RecordOptions& options, const std::function<bool()>
     return status;
   }
   const ExitStatus acquired =
-      acquire(options, hil::table_of(session, hil::StreamKind::force, options.force, "--force"),
-              hil::table_of(session, hil::StreamKind::motion, options.motion, "--motion"),
+      acquire(options, table_of(session, StreamKind::force, options.force, "--force"),
+              table_of(session, StreamKind::motion, options.motion, "--motion"),
               {"--out", folder / "recording.csv", "--json", folder / "acquisition-report.json"});
   return acquired == ExitStatus::passed ? status : acquired;
 }
 
 }  // namespace
 
-hil::HardwareMap hardware_map_from(const std::string& file) {
-  return file.empty() ? hil::hardware_map_from_environment() : hil::load_hardware_map(file);
+HardwareMap hardware_map_from(const std::string& file) {
+  return file.empty() ? hardware_map_from_environment() : load_hardware_map(file);
 }
 
 void add_hil_record(CLI::App& hil_command, Run& run) {
   auto* const command = hil_command.add_subcommand(
       "record", "Record force sensors, trackers and haptic devices together, into files that survive a crash");
-  auto options = std::make_shared<RecordOptions>();
+  auto options = std::make_shared<RecordFlags>();
   command->add_option("devices", options->devices, "Devices of the hardware map, by their ids")->required();
   command
       ->add_option("--out", options->out,
@@ -126,7 +126,7 @@ void add_hil_record(CLI::App& hil_command, Run& run) {
       "touchstone hil record ati-netft --map lab/hardware.json --out run1.tsraw");
   command->callback([options, &run] {
     run = [options] {
-      hil::StopSignal stop;  // before any thread starts
+      StopSignal stop;  // before any thread starts
       const std::function<bool()> asked = [&stop] { return stop.asked(); };
       const bool file = std::filesystem::path(options->out).extension() == ".tsraw";
       if (file && options->devices.size() != 1)
@@ -159,17 +159,17 @@ void add_hil_recover(CLI::App& hil_command, Run& run) {
       if (std::filesystem::is_directory(options->files.front())) {
         if (options->files.size() > 1 || !options->out.empty())
           throw UsageError("a folder is recovered alone, and into itself: give no --out and no other file");
-        const auto session = hil::export_session(options->files.front());
-        fmt::print("{}", hil::session_text(session));
+        const auto session = export_session(options->files.front());
+        fmt::print("{}", session_text(session));
         return said(axis_problems(session), "");
       }
       if (options->out.empty()) throw UsageError("--out: the CSV to write is needed");
-      const auto report = hil::export_raw({options->files.begin(), options->files.end()}, options->out);
-      fmt::print("{}", hil::recovery_text(report, options->out));
+      const auto report = export_raw({options->files.begin(), options->files.end()}, options->out);
+      fmt::print("{}", recovery_text(report, options->out));
       const auto problem = report.axis_problem();
       return problem.empty() ? ExitStatus::passed : said({problem}, "");
     };
   });
 }
 
-}  // namespace touchstone::apps
+}  // namespace touchstone::hil

@@ -10,13 +10,12 @@
 #include <numbers>
 #include <utility>
 
+#include "emulators/haply_emulator.h"
 #include "harness/testing/built_program.h"
-#include "hil/emulators/haply_emulator.h"
 
-namespace touchstone::apps {
+namespace touchstone::hil {
 namespace {
 
-using hil::HaplyEmulator;
 using ::testing::HasSubstr;
 
 class HilRender : public testing::BuiltProgram {
@@ -113,4 +112,4 @@ TEST_F(HilRender, TheLimitIsTheGuards) {
 }
 
 }  // namespace
-}  // namespace touchstone::apps
+}  // namespace touchstone::hil

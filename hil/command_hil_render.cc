@@ -4,29 +4,29 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/hil_commands.h"
 #include "apps/mesh_flags.h"
 #include "apps/plugin_flags.h"
+#include "drivers/open_mapped.h"
+#include "drivers/plugin_device.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
 #include "harness/recording/recording_file.h"
-#include "hil/drivers/open_mapped.h"
-#include "hil/drivers/plugin_device.h"
-#include "hil/lab/live_rendering.h"
-#include "hil/record/device_recording.h"
-#include "hil/safety/stop_signal.h"
+#include "hil_commands.h"
+#include "lab/live_rendering.h"
+#include "record/device_recording.h"
 #include "renderers/catalogue.h"
+#include "safety/stop_signal.h"
 
-namespace touchstone::apps {
+namespace touchstone::hil {
 namespace {
 
 struct LiveRenderOptions {
   std::string device, map, device_plugin, settings, model, mesh, mesh_unit = "m", out, dead_man;
   double seconds = 10.0, rate_Hz = 1000.0, force_limit_N = 0.0, workspace_m = 0.2, command_age_ms = 10.0;
-  double power_limit_W = hil::usual_power_W, energy_limit_J = hil::usual_energy_J;
+  double power_limit_W = usual_power_W, energy_limit_J = usual_energy_J;
   double tolerance_N = 1e-9;
-  MeshFlags meshes;
-  PluginFlags plugins;
+  apps::MeshFlags meshes;
+  apps::PluginFlags plugins;
 };
 
 void check(const LiveRenderOptions& options) {
@@ -57,14 +57,14 @@ void check(const LiveRenderOptions& options) {
   }
 }
 
-hil::GuardOptions guard_options_of(const LiveRenderOptions& options) {
-  return hil::live_guard({options.force_limit_N, options.workspace_m, 1e-3 * options.command_age_ms,
-                          options.power_limit_W, options.energy_limit_J},
-                         options.rate_Hz);
+GuardOptions guard_options_of(const LiveRenderOptions& options) {
+  return live_guard({options.force_limit_N, options.workspace_m, 1e-3 * options.command_age_ms, options.power_limit_W,
+                     options.energy_limit_J},
+                    options.rate_Hz);
 }
 
 struct OpenedDevice {
-  std::unique_ptr<hil::GuardedDevice> device;
+  std::unique_ptr<GuardedDevice> device;
   std::string dead_man;
 };
 
@@ -72,29 +72,28 @@ OpenedDevice open_device(const LiveRenderOptions& options) {
   OpenedDevice opened;
   opened.dead_man = options.dead_man;
   if (!options.device_plugin.empty()) {
-    opened.device =
-        hil::open_guarded([library = options.device_plugin,
-                           settings = options.settings] { return hil::open_plugin_device(library, settings); },
-                          guard_options_of(options));
+    opened.device = open_guarded([library = options.device_plugin,
+                                  settings = options.settings] { return open_plugin_device(library, settings); },
+                                 guard_options_of(options));
     return opened;
   }
   const auto map = hardware_map_from(options.map);
-  const auto& mapped = hil::usable_device(options.device, map);
+  const auto& mapped = usable_device(options.device, map);
   if (!(options.force_limit_N <= mapped.force_limit_N)) {
     throw UsageError(fmt::format("--force-limit: {} N is more than the {} N that the hardware map allows {}",
                                  options.force_limit_N, mapped.force_limit_N, options.device));
   }
   if (opened.dead_man.empty()) opened.dead_man = mapped.dead_man;
-  opened.device = hil::open_guarded([mapped] { return hil::open_handle(mapped); }, guard_options_of(options));
+  opened.device = open_guarded([mapped] { return open_handle(mapped); }, guard_options_of(options));
   return opened;
 }
 
 ExitStatus live_render(const LiveRenderOptions& options) {
   check(options);
   // The guard forks: before the stop signal's, the surface's and a plug-in's threads.
-  const double start_s = hil::MonotonicClock().now_s();
+  const double start_s = MonotonicClock().now_s();
   const OpenedDevice opened = open_device(options);
-  hil::GuardedDevice& device = *opened.device;
+  GuardedDevice& device = *opened.device;
   // Time within which a rescue is not noticed as one.
   constexpr double quick_s = 0.02;
   if (device.open_took_s() > quick_s)
@@ -104,40 +103,40 @@ ExitStatus live_render(const LiveRenderOptions& options) {
   if (!identity.emulated && opened.dead_man.empty())
     throw UsageError(
         "--dead-man: no force is commanded on hardware without one (terminal, input:DEVICE, pipe:PATH, button:N)");
-  hil::StopSignal stop;
-  const rendering::Model model = load_model(options.model, options.plugins.load());
+  StopSignal stop;
+  const rendering::Model model = apps::load_model(options.model, options.plugins.load());
   const surface::TriangleMesh mesh = options.meshes.load(options.mesh, options.mesh_unit);
   const std::shared_ptr<const surface::Surface> surface = options.meshes.surface(mesh);
   const auto renderer = renderers::make_renderer(model, surface), twin = renderers::make_renderer(model, surface);
   options.meshes.warn(mesh, *surface);
-  const auto dead_man = opened.dead_man.empty() ? nullptr : hil::open_dead_man(opened.dead_man);
+  const auto dead_man = opened.dead_man.empty() ? nullptr : open_dead_man(opened.dead_man);
   if (dead_man) fmt::print(stderr, "--> {}, and keep it held; let go to stop\n", dead_man->instruction());
-  hil::LiveOptions loop;
+  LiveOptions loop;
   loop.seconds = options.seconds;
   loop.rate_Hz = options.rate_Hz;
   loop.tell = [](const std::string& text) { fmt::print(stderr, "--> {}\n", text); };
-  hil::LiveRun run = hil::run_renderer(
+  LiveRun run = run_renderer(
       device, loop, dead_man.get(), [&] { return stop.asked(); }, *renderer);
   // Whoever stopped the run may not know yet that the force stayed on: a signal after that counts.
-  hil::StopSignal acted;
-  const bool at_zero = hil::wait_for_zero(device, [&] { return acted.asked(); });
+  StopSignal acted;
+  const bool at_zero = wait_for_zero(device, [&] { return acted.asked(); });
   for (const auto& event : device.events()) {
-    fmt::print(stderr, "guard {:+.3f} s  {:<12} {}{}{}\n", event.t_s - start_s, hil::to_string(event.phase), event.what,
-               event.reason == hil::Trip::none ? "" : fmt::format(" [{}]", hil::to_string(event.reason)),
+    fmt::print(stderr, "guard {:+.3f} s  {:<12} {}{}{}\n", event.t_s - start_s, to_string(event.phase), event.what,
+               event.reason == Trip::none ? "" : fmt::format(" [{}]", to_string(event.reason)),
                event.times > 1 ? fmt::format(" ({} times)", event.times) : "");
   }
-  if (!at_zero) fmt::print(stderr, "{}\n", hil::switch_text(device));
+  if (!at_zero) fmt::print(stderr, "{}\n", switch_text(device));
   if (run.ticks.size() < 2) throw BadData(fmt::format("{}: nothing was rendered: {}", identity.id, run.ended));
 
   const std::filesystem::path folder = options.out;
   ensure_writable_folder(folder);
-  save_recording(folder / "live.csv", hil::recording_of(run));
-  const hil::LiveRendering live = hil::compare_with_replay(std::move(run), *twin, device.tripped());
+  save_recording(folder / "live.csv", recording_of(run));
+  const LiveRendering live = compare_with_replay(std::move(run), *twin, device.tripped());
   save_rendered(folder / "replayed.csv", live.replayed);
-  write_file(folder / "result.json",
-             hil::live_to_json(live, device,
-                               {sha256_file(options.model), sha256_file(options.mesh), options.rate_Hz, start_s}));
-  fmt::print("{} -> {}\n", hil::live_text(live, identity, options.rate_Hz), options.out);
+  write_file(
+      folder / "result.json",
+      live_to_json(live, device, {sha256_file(options.model), sha256_file(options.mesh), options.rate_Hz, start_s}));
+  fmt::print("{} -> {}\n", live_text(live, identity, options.rate_Hz), options.out);
   return live.agrees(options.tolerance_N) ? ExitStatus::passed : ExitStatus::failed;
 }
 
@@ -190,4 +189,4 @@ void add_hil_render(CLI::App& hil_command, Run& run) {
   command->callback([options, &run] { run = [options] { return live_render(*options); }; });
 }
 
-}  // namespace touchstone::apps
+}  // namespace touchstone::hil

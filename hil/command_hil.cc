@@ -3,14 +3,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "apps/commands.h"
-#include "apps/hil_commands.h"
+#include "devices/probe.h"
 #include "harness/base/atomic_file.h"
 #include "harness/report/page_html.h"
-#include "hil/devices/probe.h"
-#include "hil/lab/evidence_page.h"
+#include "hil_commands.h"
+#include "lab/evidence_page.h"
 
-namespace touchstone::apps {
+namespace touchstone::hil {
 namespace {
 
 struct ProbeOptions {
@@ -19,11 +18,11 @@ struct ProbeOptions {
 };
 
 // Those that are named, or all.
-std::vector<hil::ProbeResult> probed(const ProbeOptions& options) {
+std::vector<ProbeResult> probed(const ProbeOptions& options) {
   const auto map = hardware_map_from(options.map);
-  if (options.devices.empty()) return hil::probe(map);
-  std::vector<hil::ProbeResult> results;
-  for (const auto& id : options.devices) results.push_back(hil::probe_one(id, map));
+  if (options.devices.empty()) return probe(map);
+  std::vector<ProbeResult> results;
+  for (const auto& id : options.devices) results.push_back(probe_one(id, map));
   return results;
 }
 
@@ -48,14 +47,14 @@ void add_probe(CLI::App& hil_command, Run& run) {
       nlohmann::json json{{"schema", "touchstone-probe/1"}};
       bool any = false, broken = false;
       for (const auto& r : results) {
-        const bool present = r.status == hil::DeviceStatus::present;
+        const bool present = r.status == DeviceStatus::present;
         any = any || present;
-        broken = broken || (r.required && !present && r.status != hil::DeviceStatus::not_asked);
-        fmt::print("{:<22} {:<20} {}{}\n", r.id, hil::to_string(r.status), r.reason,
+        broken = broken || (r.required && !present && r.status != DeviceStatus::not_asked);
+        fmt::print("{:<22} {:<20} {}{}\n", r.id, to_string(r.status), r.reason,
                    r.required ? " [connected by the map]" : "");
         json["devices"].push_back({{"id", r.id},
                                    {"name", r.name},
-                                   {"status", hil::to_string(r.status)},
+                                   {"status", to_string(r.status)},
                                    {"serial", r.serial},
                                    {"reason", r.reason},
                                    {"required", r.required}});
@@ -81,7 +80,7 @@ void add_report(CLI::App& hil_command, Run& run) {
       "lab.html");
   command->callback([options, &run] {
     run = [options] {
-      const auto made = hil::evidence_page(options->folder);
+      const auto made = evidence_page(options->folder);
       write_html(options->out, made.page);
       fmt::print("{}{} tests, {} out of their limits -> {}\n", made.emulated ? "emulated: " : "", made.tests,
                  made.failed, options->out);
@@ -103,4 +102,4 @@ void add_hil(CLI::App& program, Run& run) {
   add_report(*command, run);
 }
 
-}  // namespace touchstone::apps
+}  // namespace touchstone::hil
