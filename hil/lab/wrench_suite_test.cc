@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "drivers/open_mapped.h"
 #include "emulators/netft_emulator.h"
 #include "harness/base/random.h"
 #include "harness/base/rotations.h"
