@@ -32,6 +32,10 @@ void add_version(CLI::App& program, Run& run);
 // other one: loading the libraries of fitting, archives and devices takes longer than a comparison.
 inline constexpr std::array<std::string_view, 6> light_command_names{"check",  "compare",   "golden",
                                                                      "replay", "scorecard", "version"};
+// All others of commands(): what is none of both may be an extra, which `touchstone` becomes without their libraries.
+inline constexpr std::array<std::string_view, 12> heavy_command_names{
+    "bisect",   "completion", "convert", "dataset", "discrepancy", "doctor",
+    "evaluate", "fit",        "formats", "list",    "perceive",    "synth"};
 inline std::vector<AddCommand> light_commands() {
   return {add_check, add_compare, add_golden, add_replay, add_scorecard, add_version};
 }

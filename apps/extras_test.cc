@@ -1,6 +1,10 @@
 // Programs touchstone-NAME as commands: found, listed, completed, and never in the place of a command of the program.
 #include <gmock/gmock.h>
 
+#include <set>
+#include <sstream>
+
+#include "apps/commands.h"
 #include "harness/testing/built_program.h"
 
 namespace touchstone::apps {
@@ -64,6 +68,20 @@ TEST_F(Extras, AreFilesThatCanBeRun) {
   const Outcome broken = run("broken");
   EXPECT_EQ(broken.status, 2);
   EXPECT_THAT(broken.err, HasSubstr("more/touchstone-broken: Exec format error"));
+}
+
+// `touchstone` looks for extras among the words that it does not know, and has the names of its commands from a list.
+TEST_F(Extras, AreLookedForBesideTheNamesOfAllCommands) {
+  std::set<std::string_view> names(light_command_names.begin(), light_command_names.end());
+  names.insert(heavy_command_names.begin(), heavy_command_names.end());
+  std::set<std::string> commands;
+  std::istringstream lines(run("--help").out);
+  for (std::string line; std::getline(lines, line) && line != "Subcommands:";) {
+  }
+  for (std::string line; std::getline(lines, line) && line.starts_with("  ");) {
+    if (line[2] != ' ') commands.insert(line.substr(2, line.find(' ', 2) - 2));
+  }
+  EXPECT_THAT(commands, ::testing::ElementsAreArray(names));
 }
 
 // touchstone-full and the like are how the program is made or tested, no commands; in a build folder they stand beside

@@ -1,5 +1,5 @@
-// The program `touchstone`: runs the light commands itself, and becomes another file that stands beside it for the
-// others: touchstone-evaluate for `evaluate`, touchstone-full for all.
+// The program `touchstone`: runs the light commands itself, and becomes another file for the others: an extra,
+// touchstone-evaluate for `evaluate`, touchstone-full for the rest; these two stand beside it.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -10,13 +10,18 @@
 #include <string_view>
 
 #include "apps/commands.h"
+#include "apps/extras.h"
 #include "apps/program.h"
 
 namespace {
 
-bool is_light(std::string_view command) {
-  return std::ranges::find(touchstone::apps::light_command_names, command) !=
-         touchstone::apps::light_command_names.end();
+bool is_among(const auto& names, std::string_view command) { return std::ranges::find(names, command) != names.end(); }
+
+// Its own commands, and extras, which run_program() becomes.
+bool starts_here(std::string_view command) {
+  namespace apps = touchstone::apps;
+  return is_among(apps::light_command_names, command) ||
+         (!is_among(apps::heavy_command_names, command) && apps::find_extra(command).has_value());
 }
 
 // Return only when that fails.
@@ -43,6 +48,6 @@ int become_another(char** argv, std::string_view command) {
 
 int main(int argc, char** argv) {
   const std::string_view command = argc < 2 ? "" : argv[1];
-  if (!is_light(command)) return become_another(argv, command);
+  if (!starts_here(command)) return become_another(argv, command);
   return touchstone::apps::run_program(argc, argv, touchstone::apps::light_commands());
 }
