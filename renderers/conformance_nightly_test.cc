@@ -78,11 +78,11 @@ std::vector<RendererSubject> exact_subjects() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Synthetic, RendererConformance,
-                         ::testing::Combine(::testing::ValuesIn(subjects(false)),
+                         ::testing::Combine(::testing::ValuesIn(testing::shared(subjects(false))),
                                             ::testing::ValuesIn(synthetic_shapes())),
                          testing::conformance_name);
 INSTANTIATE_TEST_SUITE_P(SyntheticExact, RendererConformance,
-                         ::testing::Combine(::testing::ValuesIn(exact_subjects()),
+                         ::testing::Combine(::testing::ValuesIn(testing::shared(exact_subjects())),
                                             ::testing::ValuesIn(synthetic_shapes())),
                          testing::conformance_name);
 

@@ -29,24 +29,33 @@ struct RendererSubject : renderer_faults::Engine {
   double thinnest_m = 0.0;  // a body thinner than this it does not feel at all, which it declares as thin_shells
 };
 
-inline void PrintTo(const RendererSubject& subject, std::ostream* out) { *out << subject.name; }
+// A parameter of the suite is copied for each of its cases in every process that runs one of them.
+using SharedSubject = std::shared_ptr<const RendererSubject>;
 
-class RendererBehaviour : public ::testing::TestWithParam<RendererSubject> {
+inline void PrintTo(const SharedSubject& subject, std::ostream* out) { *out << subject->name; }
+
+inline std::vector<SharedSubject> shared(const std::vector<RendererSubject>& subjects) {
+  std::vector<SharedSubject> all;
+  for (const RendererSubject& subject : subjects) all.push_back(std::make_shared<RendererSubject>(subject));
+  return all;
+}
+
+class RendererBehaviour : public ::testing::TestWithParam<SharedSubject> {
  protected:
   void SetUp() override {
-    if (GetParam().queries_allocate) GTEST_SKIP() << "the faults are looked for with the fast queries";
+    if (GetParam()->queries_allocate) GTEST_SKIP() << "the faults are looked for with the fast queries";
   }
 
   // Fails with the finding where one of the faults is there. What follows from another fault fails by that one's name.
   static void expect_none(const std::vector<std::string>& faults) {
-    renderer_faults::Engine engine = GetParam();
+    renderer_faults::Engine engine = *GetParam();
     if (allocations_are_counted()) engine.allocations = allocations_on_this_thread;
     const renderer_faults::Diagnosis found = renderer_faults::diagnose(engine, faults);
     for (const auto& [name, why] : found.failed) ADD_FAILURE() << name << ": could not be looked for: " << why;
     std::string passed_over;
     for (const renderer_faults::Finding& one : found.findings) {
       const auto allowed = [&](const std::string& name) {
-        return std::ranges::find(GetParam().allowed, name) != GetParam().allowed.end();
+        return std::ranges::find(GetParam()->allowed, name) != GetParam()->allowed.end();
       };
       if (allowed(one.name) || allowed(one.follows_from)) {
         passed_over += one.name + " is allowed: " + one.what + "\n";

@@ -59,7 +59,7 @@ struct ConformancePose {
   [[nodiscard]] Vec3 operator()(const Vec3& p) const { return turn * (unit * p) + shift; }
 };
 
-class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererSubject, ConformanceShape>> {
+class RendererConformance : public ::testing::TestWithParam<std::tuple<SharedSubject, ConformanceShape>> {
  protected:
   using Pose = ConformancePose;
 
@@ -70,7 +70,7 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
     GTEST_SKIP() << limit->reason;
   }
 
-  [[nodiscard]] const RendererSubject& subject() const { return std::get<0>(GetParam()); }
+  [[nodiscard]] const RendererSubject& subject() const { return *std::get<0>(GetParam()); }
   [[nodiscard]] const std::string& shape_name() const { return std::get<1>(GetParam()).name; }
   [[nodiscard]] const ConformanceBody& shape() const { return shape_; }
   [[nodiscard]] const rendering::Limitation* lacks(rendering::Ability ability) const {
@@ -210,7 +210,7 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
 };
 
 inline std::string conformance_name(const ::testing::TestParamInfo<RendererConformance::ParamType>& of) {
-  return std::get<0>(of.param).name + "_" + std::get<1>(of.param).name;
+  return std::get<0>(of.param)->name + "_" + std::get<1>(of.param).name;
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(RendererConformance);
@@ -481,13 +481,17 @@ TEST_P(RendererConformance, AStartInsideIsPushedOutByTheClosestWay) {
 
 }  // namespace touchstone::testing
 
-#define TOUCHSTONE_RENDERER_CONFORMANCE(prefix, subjects)                                 \
-  namespace touchstone::testing {                                                         \
-  INSTANTIATE_TEST_SUITE_P(prefix, RendererConformance,                                   \
-                           ::testing::Combine(::testing::ValuesIn(subjects),              \
-                                              ::testing::ValuesIn(conformance_shapes())), \
-                           conformance_name);                                             \
-  INSTANTIATE_TEST_SUITE_P(prefix, RendererBehaviour, ::testing::ValuesIn(subjects),      \
-                           [](const auto& tested) { return tested.param.name; });         \
-  }                                                                                       \
+#define TOUCHSTONE_RENDERER_CONFORMANCE(prefix, subjects)                                      \
+  namespace touchstone::testing {                                                              \
+  static const std::vector<SharedSubject>& prefix##Subjects() {                                \
+    static const std::vector<SharedSubject> all = shared(subjects);                            \
+    return all;                                                                                \
+  }                                                                                            \
+  INSTANTIATE_TEST_SUITE_P(prefix, RendererConformance,                                        \
+                           ::testing::Combine(::testing::ValuesIn(prefix##Subjects()),         \
+                                              ::testing::ValuesIn(conformance_shapes())),      \
+                           conformance_name);                                                  \
+  INSTANTIATE_TEST_SUITE_P(prefix, RendererBehaviour, ::testing::ValuesIn(prefix##Subjects()), \
+                           [](const auto& tested) { return tested.param->name; });             \
+  }                                                                                            \
   static_assert(true)
