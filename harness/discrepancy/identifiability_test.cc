@@ -63,7 +63,10 @@ FitData blocks_of(const Recording& recording, rendering::Predictor& predictor, d
   return data;
 }
 
-const std::vector<rendering::Candidate> known = whole_catalogue();
+const std::vector<rendering::Candidate>& known() {
+  static const std::vector<rendering::Candidate> all = whole_catalogue();
+  return all;
+}
 
 std::vector<std::string> names(const std::vector<Undetermined>& undetermined) {
   std::vector<std::string> out;
@@ -92,7 +95,7 @@ TEST_P(IdentifiableAtScale, APlaceAcrossAStraightLineIsOpen) {
     BumpPredictor predictor(recording.motion);
     recording.f_W_N = predictor.predict(model).f_W_N;
     const auto open = names(
-        find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters, EffectLibrary(known)));
+        find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters, EffectLibrary(known())));
     if (y_m == 0.0) {
       EXPECT_THAT(open, ::testing::ElementsAre("amplitude", "y_m"));  // small on the line, or large off it
     } else {
@@ -154,7 +157,7 @@ TEST_P(IdentifiableAtScale, AnEffectWithoutASizeIsNotFound) {
       log_base_parameter("stiffness_N_per_m", 90.0 / unit, 9000.0 / unit),
       linear_parameter("viscous-friction", "coefficient_N_s_per_m", 1.0, 0.0, 1e4)};
   const auto open =
-      find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters, EffectLibrary(known));
+      find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters, EffectLibrary(known()));
   EXPECT_THAT(names(open), ::testing::ElementsAre("coefficient_N_s_per_m"));
   EXPECT_THAT(without_size(open, parameters), ::testing::ElementsAre("viscous-friction"));
 }
@@ -172,7 +175,7 @@ TEST_P(IdentifiableAtScale, AShiftAlongTheSurfaceFarBeyondATrackersIsQuestioned)
         {"registration",
          {{"dx_m", dx_m * unit}, {"dy_m", 0.0}, {"dz_m", 1e-4 * unit}, {"rx_rad", 0.0}, {"ry_rad", 0.0}},
          ""}};
-    EXPECT_EQ(question_values(recording, prediction, model, {}, {}, 5e-5 * unit, EffectLibrary(known)).size(),
+    EXPECT_EQ(question_values(recording, prediction, model, {}, {}, 5e-5 * unit, EffectLibrary(known())).size(),
               dx_m > 0.01 ? 1U : 0U);
   }
 }
@@ -191,7 +194,7 @@ TEST_P(IdentifiableAtScale, ALongerPathThanTheObjectGivesWayIsQuestioned) {
   for (const double path_m : {1e-4, 4e-4, 8e-4, 2e-3}) {
     model.effects = {
         {"coulomb-friction", {{"mu_static", 0.3}, {"mu_dynamic", 0.3}, {"presliding_m", path_m * unit}}, ""}};
-    const auto questions = question_values(recording, prediction, model, {}, {}, 1e-5 * unit, EffectLibrary(known));
+    const auto questions = question_values(recording, prediction, model, {}, {}, 1e-5 * unit, EffectLibrary(known()));
     EXPECT_EQ(questions.size(), path_m > 6e-4 ? 1U : 0U) << path_m;
   }
 }
