@@ -86,10 +86,10 @@ CellMap map_of(const std::string& name, const pc::PlaceMap& places,
     noticed += cell->known && cell->jnd > 1.0 ? 1 : 0;
   }
   const pc::PlaceDifference* const strongest = places.strongest();
-  map.summary = fmt::format(
-      "{} places of {:.2g} mm: {} differ by more than one JND, {} cannot be told. {}", cells.size(),
-      1e3 * places.cell_m, noticed, unknown,
-      strongest == nullptr ? std::string("None differs for certain.") : pc::describe_place(places, *strongest) + ".");
+  map.summary = fmt::format("{} places of {:.2g} mm: {} differ by more than one JND, {} cannot be told. {}",
+                            cells.size(), 1e3 * places.cell_m, noticed, unknown,
+                            strongest == nullptr || noticed == 0 ? std::string("None is noticed for certain.")
+                                                                 : pc::describe_place(places, *strongest) + ".");
   return map;
 }
 
@@ -119,7 +119,7 @@ LinePlot profile_of(const std::string& name, const pc::PlaceMap& places,
     sums.places += 1.0;
   }
   LinePlot plot;
-  plot.title = fmt::format("{}: mean over the other side, at depths that both reached", name);
+  plot.title = fmt::format("{}: {}, mean over the other side", name, places.quantity);
   plot.x_label = axes.label[longer];
   plot.y_label = fmt::format("{} [N]", places.quantity);
   plot.half_width = true;
