@@ -45,7 +45,8 @@ struct Seen {
   // Of the same motion.
   Vec3 real_N = Vec3::Zero();
   Vec3 rendered_N = Vec3::Zero();
-  std::vector<Vec3> apart_N;  // by stretch
+  Vec3 apart_sum_N = Vec3::Zero();  // without the friction of either
+  std::vector<Vec3> apart_N;        // by stretch
 
   void add(const Stretch& own) {
     stretches.push_back(own);
@@ -206,6 +207,15 @@ class PlaceComparison {
     return range_[a][0] + (static_cast<double>(key[a]) + 0.5) * cell_m_;
   }
 
+  // By the response: what the channel of friction compares.
+  [[nodiscard]] Vec3 friction_N(std::size_t side, std::size_t i) const {
+    const FeltSeries& felt = sides_[side]->felt;
+    const Response& response = *sides_[side]->response;
+    const double against_N =
+        at_depth(response.curves.friction_N, felt.depth_m[i] - sides_[side]->contact.depth_m, response.grid);
+    return response.gain.of(felt, i) * against_N * Vec3(0.0, felt.slide_x[i], felt.slide_y[i]);
+  }
+
   void add_same(Seen& in, std::size_t first, std::size_t end) const {
     Vec3 apart = Vec3::Zero();
     for (std::size_t i = first; i < end; ++i) {
@@ -214,9 +224,10 @@ class PlaceComparison {
       };
       in.real_N += force_of(sides_[0]->felt);
       in.rendered_N += force_of(sides_[1]->felt);
-      apart += force_of(sides_[1]->felt) - force_of(sides_[0]->felt);
+      apart += force_of(sides_[1]->felt) - force_of(sides_[0]->felt) - friction_N(1, i) + friction_N(0, i);
     }
     in.add({.samples = static_cast<double>(end - first)});
+    in.apart_sum_N += apart;
     in.apart_N.push_back(apart / static_cast<double>(end - first));
   }
 
@@ -276,7 +287,7 @@ class PlaceComparison {
     cell.real_N = both.real_N.norm() / both.samples;
     cell.rendered_N = both.rendered_N.norm() / both.samples;
     cell.share = both.samples / static_cast<double>(sides_[0]->felt.size());
-    const Vec3 apart = (both.rendered_N - both.real_N) / both.samples;
+    const Vec3 apart = both.apart_sum_N / both.samples;
     const double apart_N = apart.norm();
     const Vec3 along = apart_N > 0.0 ? Vec3(apart / apart_N) : Vec3::UnitX();
     double squares = 0.0;
