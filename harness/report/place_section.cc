@@ -54,6 +54,7 @@ std::vector<const pc::PlaceDifference*> seen_from_above(const pc::PlaceMap& map,
     if (front == nullptr || (cell.known && (!front->known || cell.jnd > front->jnd))) front = &cell;
   }
   std::vector<const pc::PlaceDifference*> cells;
+  cells.reserve(shown.size());
   for (const auto& [key, cell] : shown) cells.push_back(cell);
   return cells;
 }
