@@ -79,7 +79,7 @@ std::vector<MetricResult> NoticeableForceError::results() {
   if (share.status == MetricStatus::ok && share.value > 0.0) {
     constexpr std::array<const char*, 3> kParts{"friction", "the strength of the force", "the direction of the force"};
     const auto most_of = std::max_element(noticed_by_.begin(), noticed_by_.end()) - noticed_by_.begin();
-    share.note = fmt::format("a person would notice the force error in {:.0f} % of the scan, mostly as {}; {}",
+    share.note = fmt::format("a person would notice the force error in {:.2g} % of the scan, mostly as {}; {}",
                              100.0 * share.value, kParts[static_cast<std::size_t>(most_of)], law);
   }
   return {std::move(rms), std::move(most), std::move(share), std::move(felt)};

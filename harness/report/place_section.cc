@@ -41,7 +41,7 @@ std::string where(const Vec3& centre_m) {
 std::string in_words(const pc::PlaceDifference& cell) {
   if (!cell.known) return fmt::format("{}: cannot tell, one of the two was hardly there", where(cell.centre_m));
   return fmt::format("{}: {:.3g} N instead of {:.3g} N, {:.1f} +- {:.1f} JND", where(cell.centre_m), cell.rendered_N,
-                     cell.real_N, cell.jnd, cell.standard_error);
+                     cell.real_N, cell.jnd, std::hypot(cell.standard_error, cell.by_hand));
 }
 
 // One cell for each place of the map: the layers of depth of one motion lie behind each other, of which the strongest
@@ -54,21 +54,22 @@ std::vector<const pc::PlaceDifference*> seen_from_above(const pc::PlaceMap& map,
     if (front == nullptr || (cell.known && (!front->known || cell.jnd > front->jnd))) front = &cell;
   }
   std::vector<const pc::PlaceDifference*> cells;
+  cells.reserve(shown.size());
   for (const auto& [key, cell] : shown) cells.push_back(cell);
   return cells;
 }
 
-CellMap map_of(const pc::JudgedCondition& condition, const std::vector<const pc::PlaceDifference*>& cells,
-               const MapAxes& axes) {
+CellMap map_of(const std::string& name, const pc::PlaceMap& places,
+               const std::vector<const pc::PlaceDifference*>& cells, const MapAxes& axes) {
   CellMap map;
-  map.title = fmt::format("{}: seen along the direction of pressing", condition.name);
+  map.title = fmt::format("{}: {}, seen along the direction of pressing", name, places.quantity);
   map.x_label = axes.label[0];
   map.y_label = axes.label[1];
-  map.below = "JND: softer than the real one";
-  map.above = "JND: stiffer";
+  map.below = fmt::format("JND: {} than the real one", places.less);
+  map.above = fmt::format("JND: {}", places.more);
   map.most = kMost_jnd;
   map.half_width = true;
-  const double half_mm = 0.5e3 * condition.judgement.places.cell_m;
+  const double half_mm = 0.5e3 * places.cell_m;
   std::size_t unknown = 0;
   std::size_t noticed = 0;
   for (const auto* cell : cells) {
@@ -85,17 +86,17 @@ CellMap map_of(const pc::JudgedCondition& condition, const std::vector<const pc:
     unknown += cell->known ? 0 : 1;
     noticed += cell->known && cell->jnd > 1.0 ? 1 : 0;
   }
-  const pc::PlaceDifference* const strongest = condition.judgement.places.strongest();
+  const pc::PlaceDifference* const strongest = places.strongest();
   map.summary = fmt::format("{} places of {:.2g} mm: {} differ by more than one JND, {} cannot be told. {}",
-                            cells.size(), 1e3 * condition.judgement.places.cell_m, noticed, unknown,
-                            strongest == nullptr ? std::string("None differs for certain.")
-                                                 : pc::describe_place(condition.judgement.places, *strongest) + ".");
+                            cells.size(), 1e3 * places.cell_m, noticed, unknown,
+                            strongest == nullptr || noticed == 0 ? std::string("None is noticed for certain.")
+                                                                 : pc::describe_place(places, *strongest) + ".");
   return map;
 }
 
 // Mean force of the places that lie behind each other, along the map's longer side.
-LinePlot profile_of(const pc::JudgedCondition& condition, const std::vector<const pc::PlaceDifference*>& cells,
-                    const MapAxes& axes) {
+LinePlot profile_of(const std::string& name, const pc::PlaceMap& places,
+                    const std::vector<const pc::PlaceDifference*>& cells, const MapAxes& axes) {
   std::array<double, 2> length{};
   for (std::size_t a = 0; a < 2; ++a) {
     const auto along = [&](const auto* one, const auto* other) {
@@ -119,13 +120,13 @@ LinePlot profile_of(const pc::JudgedCondition& condition, const std::vector<cons
     sums.places += 1.0;
   }
   LinePlot plot;
-  plot.title = fmt::format("{}: mean over the other side, at depths that both reached", condition.name);
+  plot.title = fmt::format("{}: {}, mean over the other side", name, places.quantity);
   plot.x_label = axes.label[longer];
-  plot.y_label = "force [N]";
+  plot.y_label = fmt::format("{} [N]", places.quantity);
   plot.half_width = true;
   plot.height_px = 300;
   Line real{"real", {}, {}, Tone::measured, false, true};
-  Line rendered{condition.name, {}, {}, Tone::rendered, true, true};
+  Line rendered{name, {}, {}, Tone::rendered, true, true};
   for (const auto& [at, sums] : columns) {
     for (auto* line : {&real, &rendered}) line->x.push_back(1e-2 * static_cast<double>(at));
     real.y.push_back(sums.real_N / sums.places);  // NaN, a gap, where nothing is known
@@ -135,14 +136,16 @@ LinePlot profile_of(const pc::JudgedCondition& condition, const std::vector<cons
   return plot;
 }
 
-Table figures_of(const pc::JudgedCondition& condition, const std::vector<const pc::PlaceDifference*>& cells) {
+Table figures_of(const std::string& name, const pc::PlaceMap& places,
+                 const std::vector<const pc::PlaceDifference*>& cells) {
   Table table;
-  table.caption = condition.name;
+  table.caption = fmt::format("{}: {}", name, places.quantity);
   table.columns = {"place", "real [N]", "here [N]", "JND", "+-"};
   for (const auto* cell : cells) {
     Table::Row row;
     row.cells = {text_cell(where(cell->centre_m))};
-    for (const double value : {cell->real_N, cell->rendered_N, cell->jnd, cell->standard_error})
+    for (const double value :
+         {cell->real_N, cell->rendered_N, cell->jnd, std::hypot(cell->standard_error, cell->by_hand)})
       row.cells.push_back(cell->known ? number_cell(value, 3) : number_cell("cannot tell"));
     table.rows.push_back(std::move(row));
   }
@@ -155,20 +158,23 @@ std::vector<Section> place_sections(const pc::JudgedConditions& judged) {
   Section maps;
   maps.title = "Where it differs";
   maps.intro =
-      "The force at each place against that of the real process there, in just noticeable differences. Hatched: one of "
-      "the "
-      "two recordings was hardly there.";
+      "The force, and the friction, at each place against those of the real process there, in just noticeable "
+      "differences. Hatched: one of the two recordings was hardly there, or slid one way only.";
   Section figures;
   figures.title = "Every place in figures";
   figures.folded = true;
   for (const auto& condition : judged.conditions) {
-    if (condition.judgement.places.cells.empty()) continue;
-    const MapAxes axes = axes_of(condition.judgement.places);
-    const auto cells = seen_from_above(condition.judgement.places, axes);
-    if (cells.size() < 2) continue;
-    maps.blocks.emplace_back(map_of(condition, cells, axes));
-    maps.blocks.emplace_back(profile_of(condition, cells, axes));
-    figures.blocks.emplace_back(figures_of(condition, cells));
+    for (const auto* places : {&condition.judgement.places.force, &condition.judgement.places.friction}) {
+      const auto known = [](const auto& cell) { return cell.known; };
+      const bool friction = places == &condition.judgement.places.friction;
+      if (friction && std::none_of(places->cells.begin(), places->cells.end(), known)) continue;
+      const MapAxes axes = axes_of(*places);
+      const auto cells = seen_from_above(*places, axes);
+      if (cells.size() < 2) continue;
+      maps.blocks.emplace_back(map_of(condition.name, *places, cells, axes));
+      maps.blocks.emplace_back(profile_of(condition.name, *places, cells, axes));
+      figures.blocks.emplace_back(figures_of(condition.name, *places, cells));
+    }
   }
   if (maps.blocks.empty()) return {};
   return {std::move(maps), std::move(figures)};

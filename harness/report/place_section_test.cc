@@ -63,7 +63,7 @@ TEST(PlaceSections, TheForcesAlongTheLongerSideAreMeansOfThePlacesKnown) {
 // Layers of depth of one motion lie behind one another: the strongest is seen.
 TEST(PlaceSections, OfPlacesBehindOneAnotherTheStrongestIsShown) {
   auto judged = sample_judgement();
-  auto& cells = judged.conditions[0].judgement.places.cells;
+  auto& cells = judged.conditions[0].judgement.places.force.cells;
   auto deeper = cells;
   for (auto& cell : deeper) cell.jnd *= 2.0;
   cells.insert(cells.end(), deeper.begin(), deeper.end());
@@ -78,7 +78,7 @@ TEST(PlaceSections, OfPlacesBehindOneAnotherTheStrongestIsShown) {
 // object's.
 TEST(PlaceSections, ASlantedMapKeepsItsCellsApart) {
   auto judged = sample_judgement();
-  auto& places = judged.conditions[0].judgement.places;
+  auto& places = judged.conditions[0].judgement.places.force;
   const Vec3 outward = Vec3(0.4, -0.3, -0.8).normalized();
   places.side[0] = outward.unitOrthogonal();
   places.side[1] = outward.cross(places.side[0]);

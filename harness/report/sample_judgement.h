@@ -48,7 +48,7 @@ inline perception::JudgedConditions sample_judgement() {
          {"perception-space", "euclidean", "structural-similarity", "maximum-absolute-error"})
       condition.others.push_back({metric, "N", false, 123.4567, ""});
   }
-  judged.conditions[0].judgement.places = sample_places();
+  judged.conditions[0].judgement.places.force = sample_places();
   return judged;
 }
 

@@ -6,8 +6,10 @@
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
+#include <OpenMesh/Tools/Decimater/Observer.hh>
 
 #include "harness/base/error.h"
+#include "harness/base/progress.h"
 
 namespace touchstone::experiments {
 using surface::TriangleMesh;
@@ -22,6 +24,13 @@ using Mesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
 
 // By how much a triangle may turn in one collapse.
 constexpr float largest_turn_deg = 30.0F;
+
+// Seconds of a fine mesh are thousands of collapses.
+class StopsIfAsked final : public OpenMesh::Decimater::Observer {
+ public:
+  StopsIfAsked() : Observer(1000) {}
+  void notify(std::size_t /*collapses*/) override { stop_if_asked(); }
+};
 
 Mesh to_open_mesh(const TriangleMesh& mesh) {
   Mesh result;
@@ -73,6 +82,8 @@ std::vector<TriangleMesh> decimated_family(const TriangleMesh& fine, const std::
       OpenMesh::Decimater::ModNormalFlippingT<Mesh>::Handle no_folds;
       decimater.add(no_folds);
       decimater.module(no_folds).set_max_normal_deviation(largest_turn_deg);
+      StopsIfAsked stops_if_asked;
+      decimater.set_observer(&stops_if_asked);
       decimater.initialize();
       decimater.decimate_to_faces(0, target);
     }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "harness/base/progress.h"
 #include "harness/base/random.h"
 #include "harness/surface/mesh_doctor.h"
 #include "harness/testing/tiny_meshes.h"
@@ -36,6 +37,12 @@ TEST(MeshFamily, DecimationFoldsNothing) {
       EXPECT_EQ(diagnosis.open_edges, 0U) << mesh.source;
     }
   }
+}
+
+TEST(MeshFamily, EndsWhenAskedTo) {
+  ask_to_stop();
+  EXPECT_THROW(decimated_family(testing::ball(0.04, 5), {3000}), Stopped);
+  allow_work();
 }
 
 }  // namespace

@@ -90,6 +90,9 @@ struct PaperResult {
 // decimated, or no sample touches.
 PaperResult run_paper_experiments(const PaperScan& scan, const PaperOptions& options);
 
+// Which finding holds by the figures of the result, and why.
+std::vector<JudgedFinding> paper_findings(const PaperResult& result);
+
 // The tables, and which finding holds on which scan.
 std::string paper_text(const std::vector<PaperResult>& results);
 std::string paper_to_json(const std::vector<PaperResult>& results, const PaperOptions& options);

@@ -67,6 +67,33 @@ TEST(PaperExperiment, AllFourShareOneDefinition) {
   EXPECT_NE(contact.voxel.front().error_N, all.voxel.front().error_N);
 }
 
+// Errors near the floor: what shading can take is what lies above it. A finer mesh that is worse is no stable one.
+TEST(PaperExperiment, FindingsSayWhatTheFloorLeavesAndWhichMeshDecides) {
+  PaperResult r;
+  r.voxel.resize(3);
+  r.floors.normal_part.rms_N = 0.3;
+  r.density = {{200, 0.9, 0.9, 1.0, 0.9},
+               {1000, 0.5, 0.5, 0.5, 0.4},
+               {6000, 0.4, 0.4, 0.34, 0.31},
+               {16000, 0.4, 0.4, 0.32, 0.3}};
+  const auto shading = [&] { return paper_findings(r).back(); };
+  // (0.25 - 0.16) / (0.25 - 0.09) at 1000 triangles, 0.0195 / 0.0256 at 6000.
+  EXPECT_EQ(shading().holds, true);
+  EXPECT_THAT(shading().here, ::testing::HasSubstr("least at 1000 triangles: 56 %"));
+  r.density[2].shaded_normal_N = 0.338;
+  EXPECT_EQ(shading().holds, false);
+  EXPECT_THAT(shading().here, ::testing::HasSubstr("least at 6000 triangles: 5 %"));
+  r.floors.normal_part.rms_N = 0.6;
+  EXPECT_FALSE(shading().holds.has_value());
+
+  const auto stable = [&] { return paper_findings(r)[3]; };
+  EXPECT_EQ(stable().holds, true);
+  EXPECT_THAT(stable().here, ::testing::HasSubstr("1.25 times at most, at 1000 triangles"));
+  r.density[2].plain_N = 3.0;
+  EXPECT_EQ(stable().holds, false);
+  EXPECT_THAT(stable().here, ::testing::HasSubstr("at 6000 triangles"));
+}
+
 TEST(PaperExperiment, ARecordingWithoutForcesIsRefused) {
   PaperScan scan = bundled_plane();
   scan.recording.f_W_N.clear();

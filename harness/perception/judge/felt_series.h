@@ -38,6 +38,11 @@ struct FeltSeries {
   [[nodiscard]] double t_s(std::size_t i) const noexcept { return start_s + static_cast<double>(i) / rate_Hz; }
 };
 
+// Faster than 2.3 mm/s.
+inline bool slides(const FeltSeries& felt, std::size_t i) {
+  return felt.slide_x[i] * felt.slide_x[i] + felt.slide_y[i] * felt.slide_y[i] > 0.92 * 0.92;
+}
+
 // The outward direction of pressing: of the mean force in contact, without the friction that one way of sliding leaves
 // in it where a hand slides more that way than back (a tilt of 5 degrees makes 3 mm of depth of a stroke of 40 mm).
 // Throws BadData where the force has no direction.

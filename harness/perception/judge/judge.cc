@@ -85,27 +85,45 @@ Response scaled(Response response, double factor) {
   return response;
 }
 
-void tell_unexplored(Judgement& judgement) {
-  const auto& cells = judgement.places.cells;
-  const auto unknown = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.known; });
+void tell_unexplored(Judgement& judgement, const PlaceMap& map) {
+  if (!map.uneven) return;
+  const auto unknown = std::count_if(map.cells.begin(), map.cells.end(), [](const auto& cell) { return !cell.known; });
   if (unknown == 0) return;
-  const auto first = std::find_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.known; });
+  const auto first = std::find_if(map.cells.begin(), map.cells.end(), [](const auto& cell) { return !cell.known; });
   const Vec3 at_mm = 1e3 * first->centre_m;
+  const bool friction = &map == &judgement.places.friction;
   judgement.remarks.push_back(
-      fmt::format("the object differs from place to place, and at {} of {} places these recordings cannot tell: one of "
-                  "them was there for less than 0.06 s; slide over them in both, the first lies near ({:.3g}, {:.3g}, "
+      fmt::format("the {} differs from place to place, and at {} of {} places these recordings cannot tell: one of "
+                  "them {} for less than 0.06 s; slide {} them in both, the first lies near ({:.3g}, {:.3g}, "
                   "{:.3g}) mm",
-                  unknown, cells.size(), at_mm.x(), at_mm.y(), at_mm.z()));
+                  map.quantity, unknown, map.cells.size(), friction ? "slid one way only there, or" : "was there",
+                  friction ? "to and fro over" : "over", at_mm.x(), at_mm.y(), at_mm.z()));
+}
+
+// What differs from place to place cancels in a curve over depth.
+void name_place(ChannelEvidence& evidence, const PlaceMap& map, double other_error) {
+  const PlaceDifference* const place = map.strongest();
+  if (place == nullptr || !evidence.known) return;
+  const double reach = map.reach(*place);
+  // Of two that differ evenly, the curve over depth says it best.
+  const double curve_jnd = evidence.jnd - (map.uneven ? kNormal95 * evidence.standard_error : 0.0);
+  if (!(place->jnd - reach > curve_jnd)) return;
+  evidence.jnd = place->jnd;
+  evidence.standard_error = std::hypot(reach / kNormal95, other_error);
+  evidence.what = describe_place(map, *place);
+  evidence.remedy = evidence.what;
+  evidence.depth_m = place->depth_m;
 }
 
 void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProcess& rendered,
                const JudgeOptions& options) {
-  judgement.places = place_map(real, rendered, judgement.same_motion, options.thresholds);
+  judgement.places = place_maps(real, rendered, judgement.same_motion, options.thresholds);
   // Of an object that differs from place to place, what both explored is compared.
-  const bool by_place = !real.response->gain.coefficients.empty() || !rendered.response->gain.coefficients.empty();
-  const Response r = by_place ? scaled(*real.response, judgement.places.real_mean) : *real.response;
-  const Response c = by_place ? scaled(*rendered.response, judgement.places.rendered_mean) : *rendered.response;
-  if (by_place) tell_unexplored(judgement);
+  const PlaceMap& places = judgement.places.force;
+  const Response r = places.uneven ? scaled(*real.response, places.real_mean) : *real.response;
+  const Response c = places.uneven ? scaled(*rendered.response, places.rendered_mean) : *rendered.response;
+  tell_unexplored(judgement, places);
+  tell_unexplored(judgement, judgement.places.friction);
   const auto depths = common_depths_m(r, c);
   const auto slow = slow_evidence(r, r.curves, c, c.curves, judgement.same_motion, depths, options.thresholds);
   const auto errors = slow_errors(r, c, judgement.same_motion, depths, options.thresholds);
@@ -121,21 +139,10 @@ void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProc
     if (!own.known) own.why = why_unknown(own.channel);
   }
   ChannelEvidence& force = of(judgement, Channel::force);
-  force.standard_error =
-      std::hypot(force.standard_error, declared_jnd(slow, r, options.declared, depths, options.thresholds));
-  // What differs from place to place cancels in a curve over depth.
-  if (const PlaceDifference* place = judgement.places.strongest(); place != nullptr && force.known) {
-    constexpr double kNormal95 = 1.959964;
-    const double reach = judgement.places.reach() * place->standard_error;
-    if (place->jnd - reach > force.jnd) {
-      force.jnd = place->jnd;
-      force.standard_error =
-          std::hypot(reach / kNormal95, declared_jnd(slow, r, options.declared, depths, options.thresholds));
-      force.what = describe_place(judgement.places, *place);
-      force.remedy = force.what;
-      force.depth_m = place->depth_m;
-    }
-  }
+  const double declared = declared_jnd(slow, r, options.declared, depths, options.thresholds);
+  force.standard_error = std::hypot(force.standard_error, declared);
+  name_place(force, places, declared);
+  name_place(of(judgement, Channel::friction), judgement.places.friction, 0.0);
 }
 
 void fill_fast(Judgement& judgement, const JudgedProcess& real, const JudgedProcess& rendered,

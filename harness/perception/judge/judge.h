@@ -92,7 +92,7 @@ struct Judgement {
   std::optional<Channel> gives_away;      // the strongest, if it is above noise
   bool same_motion = false;
   std::vector<FeltMoment> moments;  // in contact
-  PlaceMap places;
+  PlaceMaps places;
   double noticed_share = 0.0;  // of the moments, above one JND; NaN without moments
   // Where it cannot tell: which channels leave it open, what would tell, and the verdict without them.
   std::string open;

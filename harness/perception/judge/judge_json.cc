@@ -18,6 +18,19 @@ JudgeJson hardness_json(const std::optional<RateHardnessEstimate>& estimate) {
           {"contacts", estimate->contacts}};
 }
 
+JudgeJson places_json(const PlaceMap& map) {
+  JudgeJson places = JudgeJson::array();
+  for (const auto& cell : map.cells) {
+    const auto known = [&cell](double value) { return cell.known ? finite(value) : JudgeJson(); };
+    places.push_back({{"position_m", {cell.centre_m.x(), cell.centre_m.y(), cell.centre_m.z()}},
+                      {"real_N", known(cell.real_N)},
+                      {"rendered_N", known(cell.rendered_N)},
+                      {"jnd", known(cell.jnd)},
+                      {"standard_error_jnd", known(std::hypot(cell.standard_error, cell.by_hand))}});
+  }
+  return places;
+}
+
 JudgeJson condition_json(const JudgedCondition& own) {
   const Judgement& j = own.judgement;
   JudgeJson channels = JudgeJson::array();
@@ -49,15 +62,6 @@ JudgeJson condition_json(const JudgedCondition& own) {
              {"position_m", {own.strongest_W_m.x(), own.strongest_W_m.y(), own.strongest_W_m.z()}},
              {"noticed_share", finite(j.noticed_share)}};
   }
-  JudgeJson places = JudgeJson::array();
-  for (const auto& cell : j.places.cells) {
-    const auto known = [&cell](double value) { return cell.known ? finite(value) : JudgeJson(); };
-    places.push_back({{"position_m", {cell.centre_m.x(), cell.centre_m.y(), cell.centre_m.z()}},
-                      {"real_N", known(cell.real_N)},
-                      {"rendered_N", known(cell.rendered_N)},
-                      {"jnd", known(cell.jnd)},
-                      {"standard_error_jnd", known(cell.standard_error)}});
-  }
   return {{"name", own.name},
           {"noticed_probability", finite(j.noticed_probability)},
           {"noticed_interval95", {finite(j.noticed_low95), finite(j.noticed_high95)}},
@@ -72,7 +76,8 @@ JudgeJson condition_json(const JudgedCondition& own) {
           {"channels", channels},
           {"unseen_channels", unseen},
           {"strongest_moment", where},
-          {"places", places},
+          {"places", places_json(j.places.force)},
+          {"friction_places", places_json(j.places.friction)},
           {"same_motion", j.same_motion},
           {"extended_rate_hardness_N_per_m", hardness_json(own.rate_hardness)},
           {"other_metrics", others},

@@ -10,7 +10,6 @@
 #include <map>
 #include <tuple>
 
-#include "harness/base/least_squares.h"
 #include "harness/perception/judge/judge.h"
 #include "harness/perception/judge/slow_channels.h"
 #include "harness/stats/distributions.h"
@@ -18,148 +17,70 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kIntervals = 20.0;  // of the longer side of what was explored, for the gain
-constexpr double kCells = 10.0;      // and for the comparison
+constexpr double kCells = 10.0;      // of the longer side of what was explored
 constexpr double kStretch_s = 0.02;  // the smoothing of positions
 constexpr double kFewestStretches = 3.0;
 
-// The four cubic B-splines that are not zero at `share` of an interval.
-std::array<double, 4> cubic(double share) {
-  const double rest = 1.0 - share;
-  return {rest * rest * rest / 6.0, (3.0 * share * share * share - 6.0 * share * share + 4.0) / 6.0,
-          (-3.0 * share * share * share + 3.0 * share * share + 3.0 * share + 1.0) / 6.0, share * share * share / 6.0};
-}
-
-// The sixteen coefficients that a place draws on, and their weights.
-struct Drawn {
-  std::array<std::size_t, 16> index{};
-  std::array<double, 16> weight{};
+// A run of samples of one process in one cell: the force f against an expected one e, summed. Of friction both lie
+// across the direction of pressing.
+struct Stretch {
+  double samples = 0.0;
+  double product = 0.0;  // f . e
+  double squares = 0.0;  // e . e
+  Vec3 force = Vec3::Zero();
+  Vec3 expected = Vec3::Zero();
 };
 
-Drawn drawn_at(const PlaceGain& gain, double x_m, double y_m) {
-  std::array<std::size_t, 2> from{};
-  std::array<std::array<double, 4>, 2> weights{};
-  const double place[2] = {x_m, y_m};
-  for (std::size_t a = 0; a < 2; ++a) {
-    const double last = static_cast<double>(gain.intervals[a]);
-    const double at = std::clamp((place[a] - gain.first_m[a]) / gain.spacing_m, 0.0, last);
-    from[a] = std::min(static_cast<std::size_t>(at), gain.intervals[a] - 1);
-    weights[a] = cubic(at - static_cast<double>(from[a]));
-  }
-  Drawn drawn;
-  for (std::size_t i = 0; i < 4; ++i) {
-    for (std::size_t j = 0; j < 4; ++j) {
-      drawn.index[4 * i + j] = (from[0] + i) * (gain.intervals[1] + 3) + from[1] + j;
-      drawn.weight[4 * i + j] = weights[0][i] * weights[1][j];
-    }
-  }
-  return drawn;
-}
-
-bool touches(const FeltSeries& felt, const Response& response, std::size_t i) {
-  return felt.depth_m[i] >= response.contact_m;
-}
-
-// Least and largest place in contact along axis 1 and 2.
-using Range = std::array<std::array<double, 2>, 2>;
-std::optional<Range> explored(const FeltSeries& felt, const Response& response) {
-  Range range;
-  for (auto& r : range) r = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 0; i < felt.size(); ++i) {
-    if (!touches(felt, response, i)) continue;
-    for (std::size_t a = 0; a < 2; ++a) {
-      range[a][0] = std::min(range[a][0], felt.place_m[a][i]);
-      range[a][1] = std::max(range[a][1], felt.place_m[a][i]);
-    }
-  }
-  if (!(std::max(range[0][1] - range[0][0], range[1][1] - range[1][0]) > kFinestPlace_m)) return std::nullopt;
-  return range;
-}
-
-}  // namespace
-
-double PlaceGain::of(const FeltSeries& felt, std::size_t i) const {
-  if (coefficients.empty()) return 1.0;
-  const Drawn drawn = drawn_at(*this, felt.place_m[0][i], felt.place_m[1][i]);
-  double sum = 0.0;
-  for (std::size_t k = 0; k < drawn.index.size(); ++k) sum += drawn.weight[k] * coefficients[drawn.index[k]];
-  return sum;
-}
-
-std::optional<PlaceGain> place_gain(const FeltSeries& felt, const Response& response) {
-  const auto range = explored(felt, response);
-  if (!range) return std::nullopt;
-  PlaceGain gain;
-  const double side_m[2] = {(*range)[0][1] - (*range)[0][0], (*range)[1][1] - (*range)[1][0]};
-  gain.spacing_m = std::max(side_m[0], side_m[1]) / kIntervals;
-  for (std::size_t a = 0; a < 2; ++a) {
-    gain.first_m[a] = (*range)[a][0];
-    gain.intervals[a] = static_cast<std::size_t>(std::max(1.0, std::ceil(side_m[a] / gain.spacing_m * (1.0 - 1e-12))));
-  }
-  const auto n = static_cast<Eigen::Index>((gain.intervals[0] + 3) * (gain.intervals[1] + 3));
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
-  const double* const force_N = felt.force_N[0].data();
-  // Places are smoothed: ten samples of a stretch say as much of them as all.
-  const auto step = static_cast<std::size_t>(std::max(1.0, std::floor(0.1 * kStretch_s * felt.rate_Hz)));
-  for (std::size_t i = 0; i < felt.size(); i += step) {
-    if (!touches(felt, response, i)) continue;
-    const double before = response.gain.of(felt, i);
-    const double even_N = expected_force_N(response, felt, response.contact_m, i)[0] / before;
-    const Drawn drawn = drawn_at(gain, felt.place_m[0][i], felt.place_m[1][i]);
-    for (std::size_t k = 0; k < drawn.index.size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(drawn.index[k]);
-      const double own = drawn.weight[k] * even_N;
-      right(row) += own * (force_N[i] - even_N);
-      for (std::size_t l = 0; l <= k; ++l)  // indices ascend: the lower triangle
-        information(row, static_cast<Eigen::Index>(drawn.index[l])) += own * drawn.weight[l] * even_N;
-    }
-  }
-  // What was not explored stays at 1.
-  const double least = 1e-6 * information.diagonal().maxCoeff();
-  if (!(least > 0.0)) return std::nullopt;
-  information.diagonal().array() += least;
-  information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
-  const Eigen::VectorXd beyond_1 = solve_symmetric(information, right);
-  for (Eigen::Index k = 0; k < n; ++k) gain.coefficients.push_back(1.0 + beyond_1(k));
-  // The mean is the curves' own.
-  double sum = 0.0;
-  double count = 0.0;
-  for (std::size_t i = 0; i < felt.size(); ++i) {
-    if (!touches(felt, response, i)) continue;
-    sum += gain.of(felt, i);
-    count += 1.0;
-  }
-  if (!(sum > 0.0)) return std::nullopt;
-  for (double& c : gain.coefficients) c *= count / sum;
-  return gain;
-}
-
-namespace {
-
-// Sums over the stretches of one process in one cell.
 struct Seen {
-  // Of the force over the expected one: f e, e^2, and of the stretches' (f e)^2, f e e^2, (e^2)^2.
+  std::vector<Stretch> stretches;
+  double samples = 0.0;
   double product = 0.0;
   double squares = 0.0;
-  double product_squares = 0.0;
-  double mixed = 0.0;
-  double squares_squares = 0.0;
   double depth_m = 0.0;
   double place_m[2] = {0.0, 0.0};
-  double samples = 0.0;
-  double stretches = 0.0;
+  // Of friction.
+  double load_N = 0.0;
+  double speed_m2_per_s2 = 0.0;
+  Vec3 towards = Vec3::Zero();
   // Of the same motion.
   Vec3 real_N = Vec3::Zero();
   Vec3 rendered_N = Vec3::Zero();
-  std::vector<Vec3> apart_N;  // by stretch
+  Vec3 apart_sum_N = Vec3::Zero();  // without the friction of either
+  std::vector<Vec3> apart_N;        // by stretch
 
+  void add(const Stretch& own) {
+    stretches.push_back(own);
+    samples += own.samples;
+    product += own.product;
+    squares += own.squares;
+  }
+  [[nodiscard]] double count() const { return static_cast<double>(stretches.size()); }
   [[nodiscard]] double ratio() const { return product / squares; }
   // Of the ratio of two sums over stretches (Cochran 1977, section 6.4).
   [[nodiscard]] double error() const {
-    const double g = ratio();
-    const double spread = product_squares - 2.0 * g * mixed + g * g * squares_squares;
-    return std::sqrt(std::max(0.0, spread) * stretches / (stretches - 1.0)) / squares;
+    double spread = 0.0;
+    for (const Stretch& own : stretches) spread += std::pow(own.product - ratio() * own.squares, 2);
+    return std::sqrt(spread * count() / (count() - 1.0)) / squares;
+  }
+  // Against the means of the cell: a force across that does not turn with the motion is no friction. Nothing is left of
+  // sliding one way.
+  void take_means_off() {
+    Stretch sum;
+    for (const Stretch& own : stretches) {
+      sum.force += own.force;
+      sum.expected += own.expected;
+    }
+    const bool one_way = towards.norm() >= kOneWay * samples;
+    product = squares = 0.0;
+    for (Stretch& own : stretches) {
+      const Vec3 mean_force = sum.force / samples;
+      const Vec3 mean_expected = sum.expected / samples;
+      own.product +=
+          own.samples * mean_force.dot(mean_expected) - mean_force.dot(own.expected) - mean_expected.dot(own.force);
+      own.squares += own.samples * mean_expected.squaredNorm() - 2.0 * mean_expected.dot(own.expected);
+      product += one_way ? 0.0 : own.product;
+      squares += one_way ? 0.0 : own.squares;
+    }
   }
 };
 
@@ -181,61 +102,82 @@ void by_stretches(std::size_t samples, double rate_Hz, KeyOf key_of, Stretch str
 
 }  // namespace
 
-double PlaceMap::reach() const {
+double PlaceMap::reach(const PlaceDifference& cell) const {
   const auto looks = std::max<double>(
       1.0, static_cast<double>(std::count_if(cells.begin(), cells.end(), [](const auto& c) { return c.known; })));
-  return stats::normal_quantile(1.0 - 0.025 / looks);
+  return std::hypot(stats::normal_quantile(1.0 - 0.025 / looks) * cell.standard_error, kNormal95 * cell.by_hand);
 }
 
 const PlaceDifference* PlaceMap::strongest() const {
   const PlaceDifference* best = nullptr;
-  const double z = reach();
+  double most = 0.0;
   for (const auto& cell : cells) {
-    const double certain = cell.jnd - z * cell.standard_error;
-    if (cell.known && certain > 0.0 && (best == nullptr || certain > best->jnd - z * best->standard_error))
-      best = &cell;
+    const double certain = cell.known ? cell.jnd - reach(cell) : 0.0;
+    if (!(certain > most)) continue;
+    most = certain;
+    best = &cell;
   }
   return best;
 }
 
 namespace {
 
+enum class Compared : unsigned char {
+  whole_force,  // of one motion
+  force,
+  friction,
+};
+
 // Two processes, and what both are seen to do in the cells of the real one's places.
 class PlaceComparison {
  public:
-  PlaceComparison(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,
-                  const Thresholds& thresholds, const Range& range, double cell_m)
+  PlaceComparison(const JudgedProcess& real, const JudgedProcess& rendered, Compared compared, bool same_motion,
+                  const Thresholds& thresholds, const PlaceRange& range, double cell_m)
       : sides_{&real, &rendered},
+        compared_(compared),
         same_motion_(same_motion),
         thresholds_(thresholds),
         range_(range),
         cell_m_(cell_m),
         common_m_(std::min(real.response->deepest_m, rendered.response->deepest_m)) {
-    for (std::size_t side = 0; side < (same_motion ? 1u : 2u); ++side) {
+    for (std::size_t side = 0; side < (compared == Compared::whole_force ? 1u : 2u); ++side) {
       const FeltSeries& felt = sides_[side]->felt;
       by_stretches(
           felt.size(), felt.rate_Hz, [&](std::size_t i) { return key_of(*sides_[side], i); },
           [&](const Key& key, std::size_t first, std::size_t end) {
             Seen& in = seen_[key][side];
-            in.samples += static_cast<double>(end - first);
-            in.stretches += 1.0;
-            same_motion ? add_same(in, first, end) : add_own(in, *sides_[side], first, end);
+            for (std::size_t i = first; i < end; ++i) {
+              in.depth_m += felt.depth_m[i] - sides_[side]->contact.depth_m;
+              for (std::size_t a = 0; a < 2; ++a) in.place_m[a] += felt.place_m[a][i];
+            }
+            if (compared == Compared::whole_force) return add_same(in, first, end);
+            if (compared == Compared::friction) return add_friction(in, felt, first, end);
+            add_own(in, *sides_[side], first, end);
           });
+    }
+    if (compared != Compared::friction) return;
+    for (auto& [key, both] : seen_) {
+      for (Seen& own : both) own.take_means_off();
     }
   }
 
   [[nodiscard]] PlaceMap map() const {
     PlaceMap map;
+    if (compared_ == Compared::friction) {
+      map.quantity = "friction";
+      map.more = "more friction";
+      map.less = "less friction";
+    }
     map.cell_m = cell_m_;
     for (std::size_t a = 0; a < 2; ++a) map.side[a] = sides_[0]->felt.axis[a + 1];
     double sums[2] = {};
     double shares = 0.0;
     for (const auto& [key, both] : seen_) {
       if (both[0].samples == 0.0) continue;
-      map.cells.push_back(same_motion_ ? same(both[0]) : other(key, both));
+      map.cells.push_back(compared_ == Compared::whole_force ? same(both[0]) : other(key, both));
       PlaceDifference& cell = map.cells.back();
       cell.centre_m = middle(key, 0) * sides_[0]->felt.axis[1] + middle(key, 1) * sides_[0]->felt.axis[2];
-      if (same_motion_ || !cell.known) continue;
+      if (compared_ != Compared::force || !cell.known) continue;
       shares += cell.share;
       for (std::size_t side = 0; side < 2; ++side) sums[side] += cell.share * both[side].ratio();
     }
@@ -243,6 +185,9 @@ class PlaceComparison {
       map.real_mean = sums[0] / shares;
       map.rendered_mean = sums[1] / shares;
     }
+    map.uneven = compared_ == Compared::friction ? uneven_friction()
+                                                 : !sides_[0]->response->gain.coefficients.empty() ||
+                                                       !sides_[1]->response->gain.coefficients.empty();
     if (map.cells.size() < 2) map.cells.clear();
     return map;
   }
@@ -250,13 +195,25 @@ class PlaceComparison {
  private:
   [[nodiscard]] std::optional<Key> key_of(const JudgedProcess& own, std::size_t i) const {
     const double d = own.felt.depth_m[i] - own.contact.depth_m;
-    if (same_motion_ ? !(d >= 0.0) : !(d >= 0.2 * common_m_ && d <= common_m_)) return std::nullopt;
+    const bool whole = compared_ == Compared::whole_force;
+    if (!(d >= (whole ? 0.0 : 0.2 * common_m_))) return std::nullopt;
+    // Friction is taken to one load, whatever the depth.
+    if (compared_ == Compared::friction ? !slides(own.felt, i) : !whole && d > common_m_) return std::nullopt;
     const auto cell = [this](double from_m) { return static_cast<std::int64_t>(std::floor(from_m / cell_m_)); };
     return Key{cell(own.felt.place_m[0][i] - range_[0][0]), cell(own.felt.place_m[1][i] - range_[1][0]),
-               same_motion_ ? cell(d) : 0};
+               whole ? cell(d) : 0};
   }
   [[nodiscard]] double middle(const Key& key, std::size_t a) const {
     return range_[a][0] + (static_cast<double>(key[a]) + 0.5) * cell_m_;
+  }
+
+  // By the response: what the channel of friction compares.
+  [[nodiscard]] Vec3 friction_N(std::size_t side, std::size_t i) const {
+    const FeltSeries& felt = sides_[side]->felt;
+    const Response& response = *sides_[side]->response;
+    const double against_N =
+        at_depth(response.curves.friction_N, felt.depth_m[i] - sides_[side]->contact.depth_m, response.grid);
+    return response.gain.of(felt, i) * against_N * Vec3(0.0, felt.slide_x[i], felt.slide_y[i]);
   }
 
   void add_same(Seen& in, std::size_t first, std::size_t end) const {
@@ -265,46 +222,77 @@ class PlaceComparison {
       const auto force_of = [i](const FeltSeries& f) {
         return Vec3(f.force_N[0][i], f.force_N[1][i], f.force_N[2][i]);
       };
-      in.depth_m += sides_[0]->felt.depth_m[i] - sides_[0]->contact.depth_m;
       in.real_N += force_of(sides_[0]->felt);
       in.rendered_N += force_of(sides_[1]->felt);
-      apart += force_of(sides_[1]->felt) - force_of(sides_[0]->felt);
+      apart += force_of(sides_[1]->felt) - force_of(sides_[0]->felt) - friction_N(1, i) + friction_N(0, i);
     }
+    in.add({.samples = static_cast<double>(end - first)});
+    in.apart_sum_N += apart;
     in.apart_N.push_back(apart / static_cast<double>(end - first));
   }
 
   // Against its own force over depth, without its gain.
   static void add_own(Seen& in, const JudgedProcess& own, std::size_t first, std::size_t end) {
-    double product = 0.0;
-    double squares = 0.0;
+    Stretch sum{.samples = static_cast<double>(end - first)};
     for (std::size_t i = first; i < end; ++i) {
-      in.depth_m += own.felt.depth_m[i] - own.contact.depth_m;
-      for (std::size_t a = 0; a < 2; ++a) in.place_m[a] += own.felt.place_m[a][i];
       const double even_N =
           expected_force_N(*own.response, own.felt, own.contact.depth_m, i)[0] / own.response->gain.of(own.felt, i);
-      product += own.felt.force_N[0][i] * even_N;
-      squares += even_N * even_N;
+      sum.product += own.felt.force_N[0][i] * even_N;
+      sum.squares += even_N * even_N;
     }
-    in.product += product;
-    in.squares += squares;
-    in.product_squares += product * product;
-    in.mixed += product * squares;
-    in.squares_squares += squares * squares;
+    in.add(sum);
+  }
+
+  // Against the load, by Amontons' law.
+  static void add_friction(Seen& in, const FeltSeries& felt, std::size_t first, std::size_t end) {
+    Stretch sum{.samples = static_cast<double>(end - first)};
+    double load_N = 0.0;
+    for (std::size_t i = first; i < end; ++i) load_N += felt.force_N[0][i] / sum.samples;
+    for (std::size_t i = first; i < end; ++i) {
+      const Vec3 towards(0.0, felt.slide_x[i], felt.slide_y[i]);
+      const Vec3 across_N(0.0, felt.force_N[1][i], felt.force_N[2][i]);
+      const Vec3 expected_N = -load_N * towards;
+      sum.product += across_N.dot(expected_N);
+      sum.squares += expected_N.squaredNorm();
+      sum.force += across_N;
+      sum.expected += expected_N;
+      in.towards += towards;
+      in.speed_m2_per_s2 += felt.slide_m_per_s[i] * felt.slide_m_per_s[i];
+    }
+    in.load_N += sum.samples * load_N;
+    in.add(sum);
+  }
+
+  // Whether one of the two certainly rubs more in one place than in another, by what is noticed.
+  [[nodiscard]] bool uneven_friction() const {
+    const double z = stats::normal_quantile(1.0 - 0.025 / std::max<double>(1.0, static_cast<double>(seen_.size())));
+    for (std::size_t side = 0; side < 2; ++side) {
+      double least = std::numeric_limits<double>::infinity();
+      double most = 0.0;
+      for (const auto& [key, both] : seen_) {
+        const Seen& own = both[side];
+        if (own.count() < kFewestStretches || !(own.squares > 0.0)) continue;
+        least = std::min(least, own.ratio() + z * own.error());
+        most = std::max(most, own.ratio() - z * own.error());
+      }
+      if (most > (1.0 + thresholds_.friction_fraction) * least) return true;
+    }
+    return false;
   }
 
   [[nodiscard]] PlaceDifference same(const Seen& both) const {
     PlaceDifference cell;
-    cell.known = both.stretches >= kFewestStretches;
+    cell.known = both.count() >= kFewestStretches;
     cell.depth_m = both.depth_m / both.samples;
     cell.real_N = both.real_N.norm() / both.samples;
     cell.rendered_N = both.rendered_N.norm() / both.samples;
     cell.share = both.samples / static_cast<double>(sides_[0]->felt.size());
-    const Vec3 apart = (both.rendered_N - both.real_N) / both.samples;
+    const Vec3 apart = both.apart_sum_N / both.samples;
     const double apart_N = apart.norm();
     const Vec3 along = apart_N > 0.0 ? Vec3(apart / apart_N) : Vec3::UnitX();
     double squares = 0.0;
     for (const Vec3& of_stretch : both.apart_N) squares += std::pow(of_stretch.dot(along) - apart_N, 2);
-    const double error_N = std::sqrt(squares / (both.stretches * std::max(1.0, both.stretches - 1.0)));
+    const double error_N = std::sqrt(squares / (both.count() * std::max(1.0, both.count() - 1.0)));
     if (cell.known) count(cell, apart_N, error_N, std::abs(along.x()));
     return cell;
   }
@@ -352,23 +340,39 @@ class PlaceComparison {
     PlaceDifference cell;
     const Seen& own = both[0];
     const Seen& other = both[1];
-    cell.known =
-        std::min(own.stretches, other.stretches) >= kFewestStretches && std::min(own.squares, other.squares) > 0.0;
+    cell.known = std::min(own.count(), other.count()) >= kFewestStretches && std::min(own.squares, other.squares) > 0.0;
     if (!cell.known) return cell;
     cell.depth_m = std::min(own.depth_m / own.samples, other.depth_m / other.samples);
-    const double real_even_N = steady_force_N(*sides_[0]->response, *sides_[1]->response, cell.depth_m);
-    const double rendered_even_N = steady_force_N(*sides_[1]->response, *sides_[0]->response, cell.depth_m);
     cell.share = std::min(own.samples / static_cast<double>(sides_[0]->felt.size()),
                           other.samples / static_cast<double>(sides_[1]->felt.size()));
+    const bool friction = compared_ == Compared::friction;
+    const double load_N = std::min(own.load_N / own.samples, other.load_N / other.samples);
+    const auto even_N = [&](std::size_t side) {
+      return friction ? load_N : steady_force_N(*sides_[side]->response, *sides_[1 - side]->response, cell.depth_m);
+    };
+    const double real_even_N = even_N(0);
+    const double rendered_even_N = even_N(1);
     cell.real_N = own.ratio() * real_even_N;
     cell.rendered_N = other.ratio() * rendered_even_N;
     const double larger_even_N = std::max(real_even_N, rendered_even_N);
     const double apart_N = std::max(beyond(cell.real_N / rendered_even_N, key, 1) * rendered_even_N,
                                     beyond(cell.rendered_N / real_even_N, key, 0) * real_even_N);
-    count(
-        cell, apart_N,
-        std::hypot(own.error() * real_even_N, other.error() * rendered_even_N, within_cell(key, both) * larger_even_N),
-        1.0);
+    const double error_N =
+        std::hypot(own.error() * real_even_N, other.error() * rendered_even_N, within_cell(key, both) * larger_even_N);
+    if (!friction) {
+      count(cell, apart_N, error_N, 1.0);
+      return cell;
+    }
+    const double larger_N = std::max(cell.real_N, cell.rendered_N);
+    const auto jnd_of = [&](double difference_N) {
+      return friction_jnd(larger_N, larger_N - difference_N, difference_N, load_N, thresholds_);
+    };
+    cell.jnd = jnd_of(apart_N);
+    cell.standard_error = jnd_of(apart_N + error_N) - cell.jnd;
+    if (same_motion_) return cell;
+    const double speeds = (other.speed_m2_per_s2 / other.samples) / (own.speed_m2_per_s2 / own.samples);
+    const double loads = load_N / std::max(own.load_N / own.samples, other.load_N / other.samples);
+    cell.by_hand = friction_by_hand_jnd(larger_N, loads, std::sqrt(speeds), load_N, thresholds_);
     return cell;
   }
 
@@ -388,9 +392,10 @@ class PlaceComparison {
   }
 
   const JudgedProcess* sides_[2];
+  Compared compared_;
   bool same_motion_;
   const Thresholds& thresholds_;
-  const Range& range_;
+  const PlaceRange& range_;
   double cell_m_;
   double common_m_;
   std::map<Key, std::array<Seen, 2>> seen_;
@@ -398,12 +403,15 @@ class PlaceComparison {
 
 }  // namespace
 
-PlaceMap place_map(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,
-                   const Thresholds& thresholds) {
+PlaceMaps place_maps(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,
+                     const Thresholds& thresholds) {
   const auto range = explored(real.felt, *real.response);
   if (!range) return {};
   const double side_m = std::max((*range)[0][1] - (*range)[0][0], (*range)[1][1] - (*range)[1][0]);
-  return PlaceComparison(real, rendered, same_motion, thresholds, *range, side_m / kCells).map();
+  const auto map = [&](Compared compared) {
+    return PlaceComparison(real, rendered, compared, same_motion, thresholds, *range, side_m / kCells).map();
+  };
+  return {map(same_motion ? Compared::whole_force : Compared::force), map(Compared::friction)};
 }
 
 std::string describe_place(const PlaceMap& map, const PlaceDifference& strongest) {
@@ -432,7 +440,7 @@ std::string describe_place(const PlaceMap& map, const PlaceDifference& strongest
     own_high = own_high.cwiseMax(cell.centre_m);
   }
   if (alike == 0) return text;
-  text += fmt::format("; {} in {} of {} places", more ? "stiffer" : "softer", alike, known);
+  text += fmt::format("; {} in {} of {} places", more ? map.more : map.less, alike, known);
   // On one half of what both explored, along the frame's axis that it is longest in.
   Eigen::Index axis = 0;
   (high - low).maxCoeff(&axis);

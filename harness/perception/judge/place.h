@@ -4,9 +4,11 @@
 // its own force over depth, with the error that stretches of the smoothing's length show.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/base/vec.h"
@@ -28,12 +30,19 @@ struct PlaceGain {
   [[nodiscard]] double of(const FeltSeries& felt, std::size_t i) const;
 };
 
+// Least and largest place in contact along axis 1 and 2; nothing where all lie within `kFinestPlace_m`.
+using PlaceRange = std::array<std::array<double, 2>, 2>;
+std::optional<PlaceRange> explored(const FeltSeries& felt, const Response& response);
+
 // The gain that the residuals of a response show, 1 on average over the samples in contact; nothing where the places
 // lie within `kFinestPlace_m`.
 std::optional<PlaceGain> place_gain(const FeltSeries& felt, const Response& response);
 
 // What is between the two is one place.
 inline constexpr double kFinestPlace_m = 0.01;
+
+// Standard errors that hold 95 %.
+inline constexpr double kNormal95 = 1.959964;
 
 struct PlaceDifference {
   Vec3 centre_m = Vec3::Zero();  // in the object's frame, on the plane through the frame's origin
@@ -42,11 +51,16 @@ struct PlaceDifference {
   double rendered_N = 0.0;
   double jnd = 0.0;
   double standard_error = 0.0;
+  double by_hand = 0.0;  // standard error of friction by another hand: no spread, but a bound
   double depth_m = 0.0;
   double share = 0.0;  // of the time in contact of the one that was there less
 };
 
 struct PlaceMap {
+  std::string_view quantity = "force";
+  std::string_view more = "stiffer";
+  std::string_view less = "softer";
+  bool uneven = false;  // one of the two differs from place to place
   double cell_m = 0.0;
   Vec3 side[2] = {Vec3::UnitX(), Vec3::UnitY()};  // of the cells, across the direction of pressing
   // Mean over the places where both were, by the time of the one that was there less, over that of its own places.
@@ -56,12 +70,17 @@ struct PlaceMap {
 
   // The cell that differs most beyond its error, if that is certain for as many looks as there are cells.
   [[nodiscard]] const PlaceDifference* strongest() const;
-  [[nodiscard]] double reach() const;  // standard errors that a difference must exceed to be certain
+  [[nodiscard]] double reach(const PlaceDifference& cell) const;  // JND that it must exceed to be certain
 };
 
-// `same_motion`: sample by sample, the whole force, in cells of space.
-PlaceMap place_map(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,
-                   const Thresholds& thresholds);
+struct PlaceMaps {
+  PlaceMap force;
+  PlaceMap friction;  // where both slid to and fro
+};
+
+// `same_motion`: the force sample by sample, the whole of it, in cells of space.
+PlaceMaps place_maps(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,
+                     const Thresholds& thresholds);
 
 // "1.9 N instead of 0.75 N (+150 %) near (12, 0, 3) mm; more in 5 of 17 places, all of them where x is above 4 mm".
 std::string describe_place(const PlaceMap& map, const PlaceDifference& strongest);

@@ -23,6 +23,10 @@ constexpr double kHalf_m = 0.03;  // of a stroke
 
 double even(double) { return 320.0; }
 double lump(double x_m) { return 320.0 * (1.0 + 1.4 * std::exp(-std::pow((x_m - 0.008) / 0.006, 2) / 2.0)); }
+double slippery(double) { return 0.0; }
+double rubbing(double) { return 0.3; }
+// Twice the friction on the left half.
+double rubs_left(double x_m) { return 0.3 * (1.0 + 1.0 / (1.0 + std::exp(x_m / 0.0005))); }
 double halves(double x_m) { return 320.0 * (1.0 + 0.6 / (1.0 + std::exp(-x_m / 0.0005))); }
 
 struct Strokes {
@@ -36,6 +40,7 @@ struct Strokes {
   double rate_Hz = 500.0;
   double from_m = -kHalf_m;
   double to_m = kHalf_m;
+  std::function<double(double)> friction = slippery;
 };
 
 Recording strokes(const Strokes& own, std::uint64_t seed) {
@@ -44,6 +49,7 @@ Recording strokes(const Strokes& own, std::uint64_t seed) {
   recording.source = "strokes";
   const Vec3 along(std::cos(own.towards_rad), std::sin(own.towards_rad), 0.0);
   double t = 0.0;
+  double before_m = own.from_m;
   const auto ramp = [](double share) { return 0.5 - 0.5 * std::cos(std::numbers::pi * std::clamp(share, 0.0, 1.0)); };
   for (int stroke = 0; stroke < own.count; ++stroke) {
     const double depth_m = own.depth_m * random.uniform(0.9, 1.1);
@@ -60,9 +66,12 @@ Recording strokes(const Strokes& own, std::uint64_t seed) {
         return Vec3(sigma * Vec3(a, b, random.normal()));
       };
       const double force_N = d_m > 0.0 ? own.stiffness_N_per_m(x_m) * d_m : 0.0;
+      const double speed_m_per_s = (x_m - before_m) * own.rate_Hz;
+      before_m = x_m;
+      const double drag_N = force_N * own.friction(x_m) * std::tanh(speed_m_per_s / 0.002);
       recording.motion.t_s.push_back(t);
       recording.motion.p_W_m.push_back(x_m * along - d_m * Vec3::UnitZ() + noise(own.tracker_m));
-      recording.f_W_N.push_back(force_N * Vec3::UnitZ() + noise(own.noise_N));
+      recording.f_W_N.push_back(force_N * Vec3::UnitZ() - drag_N * along + noise(own.noise_N));
     }
   }
   return recording;
@@ -90,10 +99,10 @@ TEST(Place, ALumpIsNamedByItsPlaceWhereverTheStrokesLie) {
     ASSERT_TRUE(judgement.gives_away.has_value());
     EXPECT_EQ(*judgement.gives_away, Channel::force);
     EXPECT_THAT(force_of(judgement).what, HasSubstr("softer in"));
-    const auto* strongest = judgement.places.strongest();
+    const auto* strongest = judgement.places.force.strongest();
     ASSERT_NE(strongest, nullptr);
     const Vec3 top(0.008 * std::cos(towards_rad), 0.008 * std::sin(towards_rad), 0.0);
-    EXPECT_LT((strongest->centre_m - top).norm(), judgement.places.cell_m) << strongest->centre_m.transpose();
+    EXPECT_LT((strongest->centre_m - top).norm(), judgement.places.force.cell_m) << strongest->centre_m.transpose();
     // 2.3 times the stiffness there, in a cell as wide as the lump.
     EXPECT_NEAR(strongest->real_N / strongest->rendered_N, 2.3, 0.2);
   }
@@ -133,7 +142,7 @@ TEST(Place, WhatOneDidNotExploreIsNotJudged) {
   other.to_m = 0.006;
   const auto judgement = judged(real, other, 7600);
   EXPECT_NE(judgement.verdict, Verdict::noticed) << force_of(judgement).what;
-  EXPECT_TRUE(std::any_of(judgement.places.cells.begin(), judgement.places.cells.end(),
+  EXPECT_TRUE(std::any_of(judgement.places.force.cells.begin(), judgement.places.force.cells.end(),
                           [](const auto& cell) { return !cell.known && cell.centre_m.x() > 0.008; }));
   EXPECT_THAT(judgement.remarks, ::testing::Contains(HasSubstr("cannot tell")));
 }
@@ -184,10 +193,52 @@ TEST(Place, RateFrameAndOrderChangeNothing) {
       {{"same", [&] { return turned(strokes(real, 7803)); }}, {"other", [&] { return turned(strokes(other, 7802)); }}},
       turn * Vec3::UnitZ(), {});
   EXPECT_NEAR(result.conditions.back().judgement.d_prime, d_prime, 0.03 * d_prime);
-  const auto* strongest = result.conditions.back().judgement.places.strongest();
+  const auto* strongest = result.conditions.back().judgement.places.force.strongest();
   ASSERT_NE(strongest, nullptr);
   EXPECT_LT((strongest->centre_m - turn * Vec3(0.008, 0.0, 0.0)).norm(),
-            result.conditions.back().judgement.places.cell_m);
+            result.conditions.back().judgement.places.force.cell_m);
+}
+
+const ChannelEvidence& friction_of(const Judgement& judgement) {
+  return judgement.channels[static_cast<std::size_t>(Channel::friction)];
+}
+
+TEST(Place, MoreFrictionOnTheLeftHalfIsNamed) {
+  for (const double depth_m : {0.002, 0.0024}) {
+    const auto judgement = judged({.friction = rubbing}, {.depth_m = depth_m, .friction = rubs_left}, 7900);
+    EXPECT_EQ(judgement.verdict, Verdict::noticed);
+    ASSERT_EQ(judgement.gives_away, Channel::friction);
+    EXPECT_THAT(friction_of(judgement).what, HasSubstr("more friction in 5 of"));
+    EXPECT_THAT(friction_of(judgement).what, HasSubstr("all where x is below"));
+    const auto* strongest = judgement.places.friction.strongest();
+    ASSERT_NE(strongest, nullptr);
+    EXPECT_LT(strongest->centre_m.x(), 0.0);
+    EXPECT_NEAR(strongest->rendered_N / strongest->real_N, 2.0, 0.1);
+    EXPECT_NEAR(strongest->real_N, 0.3 * 320.0 * 0.002, 0.15 * 0.3 * 320.0 * 0.002);
+  }
+}
+
+TEST(Place, TheSameUnevenFrictionIsNotNoticed) {
+  std::uint64_t seed = 7950;
+  for (const Strokes& hand : {Strokes{}, Strokes{.depth_m = 0.0026}, Strokes{.pace = 0.7}, Strokes{.count = 9},
+                              Strokes{.noise_N = 0.02, .tracker_m = 1e-5}, Strokes{.from_m = -0.022, .to_m = 0.025}}) {
+    for (const auto& friction : {rubs_left, rubbing}) {
+      Strokes other = hand;
+      other.friction = friction;
+      const auto judgement = judged({.friction = friction}, other, seed += 10);
+      EXPECT_NE(judgement.verdict, Verdict::noticed) << seed << " " << friction_of(judgement).what;
+      EXPECT_EQ(judgement.places.friction.strongest(), nullptr) << seed << " " << friction_of(judgement).what;
+    }
+  }
+}
+
+// One way, friction hides in what else is met across.
+TEST(Place, FrictionOfPlacesThatOneDidNotSlideOverToAndFroIsNotJudged) {
+  const auto judgement = judged({.friction = rubs_left}, {.from_m = 0.001, .friction = rubs_left}, 8060);
+  EXPECT_NE(judgement.verdict, Verdict::noticed) << friction_of(judgement).what;
+  EXPECT_THAT(judgement.remarks, ::testing::Contains(HasSubstr("the friction differs from place to place")));
+  const auto one_way = judged({.friction = rubbing}, {.count = 1, .friction = rubs_left}, 8070);
+  for (const auto& cell : one_way.places.friction.cells) EXPECT_FALSE(cell.known);
 }
 
 TEST(Place, AnEvenObjectHasNoGainOverPlace) {

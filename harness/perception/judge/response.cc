@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMostKnots = 48;
 constexpr double kFewestSeen = 10.0;  // samples' weight at a knot that counts
-constexpr double kSliding = 0.92;     // direction of sliding that counts: 2.3 mm/s
 constexpr std::size_t kBins = 400;
 
 // Normal equations of one component: `features` times the two hats that a sample lies between. Neighbouring knots alone
@@ -205,7 +204,7 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
     block.normal.add(j, left, right, {g, g * v}, felt.force_N[0][i]);
     block.side.add(j, left, right, {g, 0.0, g * x}, felt.force_N[1][i]);
     block.side.add(j, left, right, {0.0, g, g * y}, felt.force_N[2][i]);
-    const double sliding = x * x + y * y > kSliding * kSliding ? 1.0 : 0.0;
+    const double sliding = slides(felt, i) ? 1.0 : 0.0;
     for (const auto& [knot, share] : {std::pair{j, left}, std::pair{j + 1, right}}) {
       response.seen[knot] += share;
       response.speed_m_per_s[knot] += share * v * v;
@@ -311,7 +310,7 @@ void measure_left(Response& response, const FeltSeries& felt) {
         last[a] = error_N;
       }
       depth_m += (felt.depth_m[i] - response.contact_m) / n;
-      sliding += std::hypot(felt.slide_x[i], felt.slide_y[i]) > kSliding ? 1.0 / n : 0.0;
+      sliding += slides(felt, i) ? 1.0 / n : 0.0;
     }
     if (i < first + length) {
       first = i + 1;

@@ -10,7 +10,6 @@ namespace touchstone::perception {
 namespace {
 
 constexpr double kSlidShare = 0.05;      // of the samples at a depth: less shows no sliding there
-constexpr double kOneWay = 0.9;          // mean direction of sliding: 5 % of the samples slide back
 constexpr double kDirectionForce = 5.0;  // absolute thresholds of force that a direction needs
 constexpr double kBound = 0.5;           // standard errors of what differs by a bound at most: that is two
 
@@ -140,17 +139,12 @@ SlowEvidence friction_evidence(const Response& real, const ResponseCurves& real_
                                       : (other_growth * other.across_N - own_growth * own.across_N).norm();
     const double load_N = at_depth(real_curves.normal_N, d, real.grid);
     SlowEvidence evidence{true, friction_jnd(own_N, other_N, apart_N, load_N, thresholds), d, own_N, other_N};
-    // Friction of other loads may grow otherwise (growth.h), that of another speed as a fluid's at most.
-    const GrowthBounds growth = growth_bounds(std::min(own_growth, other_growth), 1.0);
-    const double by_load = std::max(growth.most / growth.by_law, growth.by_law / growth.least);
-    const double speed = std::abs(std::log(other.slid_m_per_s / own.slid_m_per_s));
     const double larger_N = std::max(own_N, other_N);
-    const auto bound = [&](double factor) {
-      return kBound * friction_jnd(larger_N, factor * larger_N, (factor - 1.0) * larger_N, load_N, thresholds);
-    };
     const double left_N = left_at(real, rendered, d).side_N;
     const double by_left = kBound * friction_jnd(larger_N, larger_N + left_N, left_N, load_N, thresholds);
-    evidence.by_hand = std::hypot(bound(by_load), bound(std::exp(speed)), by_left);
+    evidence.by_hand = std::hypot(friction_by_hand_jnd(larger_N, std::min(own_growth, other_growth),
+                                                       other.slid_m_per_s / own.slid_m_per_s, load_N, thresholds),
+                                  by_left);
     return evidence;
   }
   return {};
@@ -211,6 +205,15 @@ double friction_jnd(double real_N, double rendered_N, double apart_N, double loa
   const NoticeableSteps steps({least_N, least_N, thresholds.friction_fraction, thresholds.friction_fraction});
   const double larger_N = std::max(real_N, rendered_N);
   return steps(larger_N) - steps(larger_N - apart_N);
+}
+
+double friction_by_hand_jnd(double larger_N, double loads, double speeds, double load_N, const Thresholds& thresholds) {
+  const GrowthBounds growth = growth_bounds(loads, 1.0);
+  const auto bound = [&](double factor) {
+    return kBound * friction_jnd(larger_N, factor * larger_N, (factor - 1.0) * larger_N, load_N, thresholds);
+  };
+  return std::hypot(bound(std::max(growth.most / growth.by_law, growth.by_law / growth.least)),
+                    bound(std::exp(std::abs(std::log(speeds)))));
 }
 
 std::vector<double> common_depths_m(const Response& real, const Response& rendered) {

@@ -24,6 +24,9 @@ enum class SlowChannel : unsigned char { force, stiffness, rate, direction, fric
 inline constexpr std::size_t kSlowChannels = 5;
 using SlowEvidences = std::array<SlowEvidence, kSlowChannels>;
 
+// Mean direction of sliding one way: 5 % of the samples slide back.
+inline constexpr double kOneWay = 0.9;
+
 // Depth times slope over the force's magnitude at `depth_m`, its slope taken over the `step_m` above it: how much of an
 // error of the depth arrives in the force. 0 where the force falls with depth, or there is none.
 double depth_exponent(const ResponseCurves& curves, double depth_m, double step_m, const DepthGrid& grid);
@@ -42,6 +45,10 @@ double force_at_depth_jnd(double force_jnd, double real_N, double rendered_N, do
 // abstract). `apart_N` is the difference of the vectors. In steps of the friction's own fraction from the force on that
 // is noticed as a change of the load `load_N`, in proportion below.
 double friction_jnd(double real_N, double rendered_N, double apart_N, double load_N, const Thresholds& thresholds);
+
+// Standard error in JND by another hand: friction of another load may grow otherwise than by Amontons' law (growth.h),
+// that of another speed as a fluid's at most. `loads`: the smaller over the larger; `speeds`: one over the other.
+double friction_by_hand_jnd(double larger_N, double loads, double speeds, double load_N, const Thresholds& thresholds);
 
 // Magnitude of the steady force of `own` at a depth, with the force across if it can be compared with that of `other`:
 // friction hides in it where one of them slid one way only.
