@@ -1,6 +1,7 @@
 // A device that is a plug-in in C: the one of examples/c-device, and others that each do one thing wrong.
 #include "drivers/plugin_device.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
