@@ -68,11 +68,20 @@ endif()
 if(BUILD_TESTING AND NOT COMMAND touchstone_add_tests)
   find_package(GTest REQUIRED)
   include(GoogleTest)
+  # By a file that ctest reads after the tests were found: gtest_discover_tests splits lists among its PROPERTIES.
   function(touchstone_discover_tests target)
     cmake_parse_arguments(ARG "" "PREFIX;TIMEOUT;SERIAL" "LABELS;ENVIRONMENT" ${ARGN})
-    gtest_discover_tests(${target} TEST_PREFIX ${ARG_PREFIX}. TEST_LIST ${ARG_PREFIX} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS "${ARG_LABELS}"
-      TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL}
-      ENVIRONMENT "TOUCHSTONE_PROGRAM=$<TARGET_FILE:touchstone::program>;PATH=${PROJECT_BINARY_DIR}/bin:$ENV{PATH};${ARG_ENVIRONMENT}")
+    set(list touchstone_tests_${ARG_PREFIX})
+    gtest_discover_tests(${target} TEST_PREFIX ${ARG_PREFIX}. TEST_LIST ${list} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
+      NO_PRETTY_VALUES PROPERTIES TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})
+    find_path(checkout CTestConfig.cmake PATHS ${CMAKE_CURRENT_SOURCE_DIR}/.. ${CMAKE_CURRENT_SOURCE_DIR}/../.. NO_DEFAULT_PATH NO_CACHE)
+    set(environment "TOUCHSTONE_PROGRAM=$<TARGET_FILE:touchstone::program>;TOUCHSTONE_SOURCE_DIR=${checkout}"
+      "PATH=${PROJECT_BINARY_DIR}/bin:$ENV{PATH}" ${ARG_ENVIRONMENT})
+    file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${list}.cmake CONTENT "foreach(test IN LISTS ${list})
+  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${ARG_LABELS}\" ENVIRONMENT \"${environment}\")
+endforeach()
+")
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${CMAKE_CURRENT_BINARY_DIR}/${list}.cmake)
   endfunction()
   function(touchstone_add_tests name)
     cmake_parse_arguments(ARG "SERIAL;ALONE" "TIMEOUT" "SOURCES;HEADERS;LIBS;LABELS;ENVIRONMENT" ${ARGN})
