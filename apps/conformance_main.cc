@@ -34,7 +34,7 @@ using namespace touchstone;
 using namespace touchstone::plugin;
 using namespace touchstone::rendering;
 
-constexpr const char* kUsage =
+constexpr const char* usage =
     "usage: touchstone-conformance --plugin=libmine.so [--renderer=NAME] [--parameter=NAME=VALUE]... "
     "[--stiffness=N/M]\n"
     "                              [--friction=MU] [--tip-radius=M] [--epsilon=M] [--allow=FAULT]... [--in-child]\n"
@@ -268,14 +268,14 @@ int main(int argc, char** argv) {
   try {
     for (int i = 1; i < argc; ++i) {
       if (std::string_view(argv[i]) == "--help") {
-        std::fputs(kUsage, stdout);
+        std::fputs(usage, stdout);
         return 0;
       }
       take(argv[i], options);
     }
     choose_subjects(options);
   } catch (const UsageError& error) {
-    std::fprintf(stderr, "touchstone-conformance: %s\n%s", error.what(), kUsage);
+    std::fprintf(stderr, "touchstone-conformance: %s\n%s", error.what(), usage);
     return static_cast<int>(error.status());
   } catch (const Error& error) {
     std::fprintf(stderr, "touchstone-conformance: %s\n", error.what());

@@ -17,8 +17,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::Outcome;
 
-constexpr const char* kSaid = "turned.obj: inconsistent-orientation: 1 triangles";
-constexpr const char* kTurned = "repaired: 1 of 12 triangles turned";
+constexpr const char* expected_warning = "turned.obj: inconsistent-orientation: 1 triangles";
+constexpr const char* turned = "repaired: 1 of 12 triangles turned";
 
 class TurnedTriangle : public testing::BuiltProgram {
  protected:
@@ -80,8 +80,8 @@ TEST_F(TurnedTriangle, IsSaidByEveryCommand) {
         std::string("discrepancy --time-limit 1 --model model.json --recording over.csv --mesh turned.obj --out "
                     "searched"),
         std::string("discrepancy --verify --model model.json --recording over.csv --mesh turned.obj")}) {
-    EXPECT_THAT(said(command), AllOf(HasSubstr(kSaid), Not(HasSubstr(kTurned)))) << command;
-    EXPECT_THAT(said(command + " --repair"), AllOf(Not(HasSubstr(kSaid)), HasSubstr(kTurned))) << command;
+    EXPECT_THAT(said(command), AllOf(HasSubstr(expected_warning), Not(HasSubstr(turned)))) << command;
+    EXPECT_THAT(said(command + " --repair"), AllOf(Not(HasSubstr(expected_warning)), HasSubstr(turned))) << command;
   }
 }
 
@@ -89,7 +89,7 @@ TEST_F(TurnedTriangle, IsSaidByEveryCommand) {
 TEST_F(TurnedTriangle, IsSaidOnceByASearch) {
   const std::string text =
       said("discrepancy --time-limit 1 --model model.json --recording over.csv --mesh turned.obj --out searched");
-  EXPECT_EQ(text.find(kSaid), text.rfind(kSaid)) << text;
+  EXPECT_EQ(text.find(expected_warning), text.rfind(expected_warning)) << text;
 }
 
 TEST_F(TurnedTriangle, OfAGoldenCasesOwnFileIsSaidByCheck) {
@@ -105,7 +105,7 @@ TEST_F(TurnedTriangle, OfAGoldenCasesOwnFileIsSaidByCheck) {
     "tolerance": {"reason": "none is needed", "force": {"atol_N": 1e-9}}, "jnd_share": 0.05})");
   const Outcome check = run("check block --golden golden --out failures");
   EXPECT_EQ(check.status, 1) << "there is no golden yet: " << check.err;
-  EXPECT_THAT(check.err, HasSubstr(kSaid));
+  EXPECT_THAT(check.err, HasSubstr(expected_warning));
 }
 
 }  // namespace

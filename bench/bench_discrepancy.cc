@@ -13,9 +13,9 @@ using rendering::Model;
 
 namespace {
 
-constexpr double kWindow_s = 1.0 / 30.0;
-constexpr double kNoise_N = 0.01;
-constexpr std::uint64_t kSeed = 2006;
+constexpr double window_s = 1.0 / 30.0;
+constexpr double noise_N = 0.01;
+constexpr std::uint64_t seed = 2006;
 
 class CountingPredictor final : public rendering::Predictor {
  public:
@@ -43,15 +43,15 @@ FitData measured(CountingPredictor& predictor, const MotionColumns& motion) {
   const rendering::Prediction truth = predictor.predict(plane(900.0, 4.0));
   FitData data;
   data.predictor = &predictor;
-  data.blocks = discrepancy::make_blocks(motion, kWindow_s);
+  data.blocks = discrepancy::make_blocks(motion, window_s);
   data.measured_N = block_means(data.blocks, truth.f_W_N);
   const auto normals = block_means(data.blocks, truth.n_W);
-  Random random(kSeed);
+  Random random(seed);
   for (std::size_t b = 0; b < data.blocks.size(); ++b) {
     discrepancy::BlockNoise noise;
     noise.n_W = normals[b].norm() > 0.0 ? Vec3(normals[b].normalized()) : Vec3(Vec3::Zero());
-    noise.along_normal_N = noise.tangential_N = kNoise_N;
-    data.measured_N[b] += kNoise_N * Vec3(random.normal(), random.normal(), random.normal());
+    noise.along_normal_N = noise.tangential_N = noise_N;
+    data.measured_N[b] += noise_N * Vec3(random.normal(), random.normal(), random.normal());
     data.noise.push_back(noise);
   }
   return data;
@@ -80,7 +80,7 @@ BENCHMARK(candidate_fit)->ArgName("with_covariance")->Arg(0)->Arg(1)->Unit(bench
 
 void blocks(benchmark::State& state) {
   const MotionColumns motion = discrepancy::hand(0.0, 1.0);
-  for (auto _ : state) benchmark::DoNotOptimize(discrepancy::make_blocks(motion, kWindow_s));
+  for (auto _ : state) benchmark::DoNotOptimize(discrepancy::make_blocks(motion, window_s));
 }
 BENCHMARK(blocks)->Unit(benchmark::kMicrosecond);
 

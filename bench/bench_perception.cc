@@ -15,16 +15,16 @@ namespace {
 
 namespace pc = touchstone::perception;
 
-constexpr std::size_t kSamples = 60000;
+constexpr std::size_t sample_count = 60000;
 
 pc::PressSignal presses(double k, std::uint64_t seed) {
   pc::PressSignal signal;
   signal.name = "presses";
   touchstone::Random random(seed);
-  signal.t_s.reserve(kSamples);
-  signal.force_N.reserve(kSamples);
-  signal.displacement_m.reserve(kSamples);
-  for (std::size_t n = 0; n < kSamples; ++n) {
+  signal.t_s.reserve(sample_count);
+  signal.force_N.reserve(sample_count);
+  signal.displacement_m.reserve(sample_count);
+  for (std::size_t n = 0; n < sample_count; ++n) {
     const double t = 0.001 * static_cast<double>(n);
     const double depth = 0.005 * (1.0 - std::cos(2.0 * std::numbers::pi * t));
     signal.t_s.push_back(t);
@@ -66,7 +66,7 @@ void judge(benchmark::State& state) {
     touchstone::recording::Recording recording;
     recording.source = "presses";
     recording.motion.t_s = signal.t_s;
-    for (std::size_t n = 0; n < kSamples; ++n) {
+    for (std::size_t n = 0; n < sample_count; ++n) {
       recording.motion.p_W_m.emplace_back(0.0, 0.0, -signal.displacement_m[n]);
       recording.f_W_N.emplace_back(0.0, 0.0, signal.force_N[n]);
     }

@@ -21,13 +21,13 @@ using surface::Surface;
 
 namespace {
 
-constexpr std::size_t kSteps = 10000;
-constexpr std::size_t kMostCounted = 500000;  // triangles: larger meshes of counting numbers take long to make
+constexpr std::size_t step_count = 10000;
+constexpr std::size_t most_counted = 500000;  // triangles: larger meshes of counting numbers take long to make
 
 const std::vector<Vec3>& cached_path(double tip_radius_m) {
   static std::map<double, std::vector<Vec3>> paths;
   auto& tips = paths[tip_radius_m];
-  if (tips.empty()) tips = experiments::path_over_the_bumpy_body(tip_radius_m, kSteps);
+  if (tips.empty()) tips = experiments::path_over_the_bumpy_body(tip_radius_m, step_count);
   return tips;
 }
 
@@ -69,7 +69,7 @@ void count(benchmark::State& state, const Model& model, const std::shared_ptr<co
 void slowest(benchmark::State& state, const Model& model, const std::shared_ptr<const Surface>& body,
              const std::vector<Vec3>& tips) {
   using Clock = std::chrono::steady_clock;
-  constexpr int kRuns = 5;
+  constexpr int runs = 5;
   const auto microseconds = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
   double clock_us = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 1000; ++i) {
@@ -77,7 +77,7 @@ void slowest(benchmark::State& state, const Model& model, const std::shared_ptr<
     clock_us = std::min(clock_us, microseconds(Clock::now() - before));
   }
   std::vector<double> least(tips.size(), std::numeric_limits<double>::infinity());
-  for (int run = 0; run < kRuns; ++run) {
+  for (int run = 0; run < runs; ++run) {
     const auto renderer = renderers::make_renderer(model, body);
     renderer->reset();
     for (std::size_t i = 0; i < tips.size(); ++i) {
@@ -108,13 +108,13 @@ void replay_bumpy(benchmark::State& state, const std::string& name, double tip_r
       benchmark::DoNotOptimize(result);
     }
   }
-  const auto steps = static_cast<double>(state.iterations()) * static_cast<double>(kSteps);
+  const auto steps = static_cast<double>(state.iterations()) * static_cast<double>(step_count);
   state.counters["per_step"] = benchmark::Counter(steps, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-  state.counters["in_contact"] = static_cast<double>(touching) / static_cast<double>(kSteps);
+  state.counters["in_contact"] = static_cast<double>(touching) / static_cast<double>(step_count);
   state.counters["triangles"] = static_cast<double>(body->mesh()->triangle_count());
   if (const auto bytes = renderer->memory_bytes()) state.counters["bytes"] = static_cast<double>(*bytes);
   slowest(state, model, body, tips);
-  if (body->mesh()->triangle_count() < kMostCounted) count(state, model, body, tips);
+  if (body->mesh()->triangle_count() < most_counted) count(state, model, body, tips);
 }
 
 #define TOUCHSTONE_BENCH(...) \

@@ -23,10 +23,10 @@ using tool::Pose;
 using tool::Tool;
 using tool::ToolSettings;
 
-constexpr int kSteps = 4000;
-constexpr double kDensity_kg_per_m3 = 1000.0;
+constexpr int steps = 4000;
+constexpr double material_density_kg_per_m3 = 1000.0;
 
-Tool solid(const TriangleMesh& mesh) { return {mesh, tool::solid_mass_frame(mesh, kDensity_kg_per_m3)}; }
+Tool solid(const TriangleMesh& mesh) { return {mesh, tool::solid_mass_frame(mesh, material_density_kg_per_m3)}; }
 
 // Of this thread alone.
 double now_us() {
@@ -42,7 +42,7 @@ void run(benchmark::State& state, tool::ToolRenderer& renderer, const Pose& touc
   std::size_t touched = 0;
   for (auto _ : state) {
     renderer.reset();
-    for (int i = 0; i < kSteps; ++i) {
+    for (int i = 0; i < steps; ++i) {
       const double t = 1e-3 * i;
       const double depth = i < 500 ? 0.003 - 0.005 * i / 500.0 : -0.002;
       const Pose handle = tool::moved(
@@ -72,12 +72,12 @@ void BM_VoxmapPointshell(benchmark::State& state) {
   // An ellipsoid of 40 mm with a point per 1.45 mm: about 2,000 points.
   const Tool tool = solid(contacts::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 40000));
   ToolSettings settings;
-  constexpr double kSpacing_m = 1.45e-3;
-  settings.parameters["point_spacing_m"] = kSpacing_m;
+  constexpr double point_spacing_m = 1.45e-3;
+  settings.parameters["point_spacing_m"] = point_spacing_m;
   const auto object = contacts::ellipsoid_mesh(Vec3(0, 0, -0.05), Vec3(0.05, 0.05, 0.05), 100000);
   const auto renderer = tool_renderers::make_tool_renderer("voxmap-pointshell", tool, object, settings);
   run(state, *renderer, {Vec3(0, 0, 0.046), Quat::Identity()});
-  state.counters["points"] = double(tool::make_point_shell(tool.mesh_T, kSpacing_m).size());
+  state.counters["points"] = double(tool::make_point_shell(tool.mesh_T, point_spacing_m).size());
 }
 BENCHMARK(BM_VoxmapPointshell)->Unit(benchmark::kMillisecond);
 
@@ -100,19 +100,19 @@ BENCHMARK(BM_GodObjectBoxOnSlab)->Unit(benchmark::kMillisecond);
 
 // A ball of 10,000 triangles on a ring of ten balls, together as many: ten places at which it nearly touches.
 void BM_GodObjectTenContacts(benchmark::State& state) {
-  constexpr double kRing_m = 0.012, kBall_m = 0.004, kTool_m = 0.014;
+  constexpr double ring_m = 0.012, ball_m = 0.004, tool_m = 0.014;
   TriangleMesh ring;
   for (int k = 0; k < 10; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / 10.0;
     const TriangleMesh ball = contacts::ellipsoid_mesh(
-        Vec3(kRing_m * std::cos(angle), kRing_m * std::sin(angle), -kBall_m), Vec3::Constant(kBall_m), 1000);
+        Vec3(ring_m * std::cos(angle), ring_m * std::sin(angle), -ball_m), Vec3::Constant(ball_m), 1000);
     ring = k == 0 ? ball : contacts::joined(ring, ball);
   }
-  const Tool tool = solid(contacts::ellipsoid_mesh(Vec3::Zero(), Vec3::Constant(kTool_m), 10000));
+  const Tool tool = solid(contacts::ellipsoid_mesh(Vec3::Zero(), Vec3::Constant(tool_m), 10000));
   const auto renderer = tool_renderers::make_tool_renderer("god-object-tool", tool, ring, {});
-  const double height = std::sqrt((kTool_m + kBall_m) * (kTool_m + kBall_m) - kRing_m * kRing_m) - kBall_m;
-  constexpr double kAside = 0.1;  // of the other runs: it stays in the ring
-  run(state, *renderer, {Vec3(0, 0, height), Quat::Identity()}, kAside);
+  const double height = std::sqrt((tool_m + ball_m) * (tool_m + ball_m) - ring_m * ring_m) - ball_m;
+  constexpr double share_set_aside = 0.1;  // of the other runs: it stays in the ring
+  run(state, *renderer, {Vec3(0, 0, height), Quat::Identity()}, share_set_aside);
 }
 BENCHMARK(BM_GodObjectTenContacts)->Unit(benchmark::kMillisecond);
 

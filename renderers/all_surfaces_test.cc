@@ -12,8 +12,8 @@ using surface::Surface;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double stiffness = 500.0;
+constexpr double eps = std::numeric_limits<double>::epsilon();
 
 struct Subject {
   std::string renderer;
@@ -52,7 +52,7 @@ TEST(AllSurfaces, ProxiesGiveTheSameWithExactQueriesAndStayInTheConeAndOutside) 
     for (const Subject& subject : subjects()) {
       SCOPED_TRACE(entry.name + ", " + subject.renderer + ", radius " + std::to_string(subject.radius_m));
       rendering::Model model =
-          model_of(subject.renderer, {{"stiffness_N_per_m", kStiffness}, {"tip_radius_m", subject.radius_m}});
+          model_of(subject.renderer, {{"stiffness_N_per_m", stiffness}, {"tip_radius_m", subject.radius_m}});
       if (subject.mu_static > 0.0) {
         model.parameters["mu_static"] = subject.mu_static;
         model.parameters["mu_dynamic"] = subject.mu_dynamic;
@@ -65,7 +65,7 @@ TEST(AllSurfaces, ProxiesGiveTheSameWithExactQueriesAndStayInTheConeAndOutside) 
       for (const Vec3& p : strokes(*fast, subject.radius_m, 41)) {
         const rendering::StepResult obtained = fast_hand.to(p);
         const rendering::StepResult expected = exact_hand.to(p);
-        ASSERT_LE((obtained.f_W_N - expected.f_W_N).norm(), kStiffness * 1e3 * kEps * 0.1);
+        ASSERT_LE((obtained.f_W_N - expected.f_W_N).norm(), stiffness * 1e3 * eps * 0.1);
         ASSERT_TRUE(obtained.f_W_N.allFinite());
         if (!obtained.contact) continue;
         ++touching;

@@ -16,7 +16,7 @@ std::string identifier(std::string name) {
 
 // Within a ball of 34 mm about the origin, or a patch of 40 mm.
 testing::ConformanceBody body_of(const synthetic::SurfaceEntry& entry) {
-  constexpr double kReach = 0.034;
+  constexpr double reach_m = 0.034;
   synthetic::ParameterOverrides overrides;
   bool patch = false;
   for (const auto& p : entry.parameters) {
@@ -33,7 +33,7 @@ testing::ConformanceBody body_of(const synthetic::SurfaceEntry& entry) {
     const Box3 box = body.mesh.bounds();
     double reach = 0.0;
     for (const Vec3& v : body.mesh.vertices_W_m) reach = std::max(reach, (v - box.center()).norm());
-    scale = kReach / reach;
+    scale = reach_m / reach;
     body.mesh = moved(body.mesh, Quat::Identity(), -scale * box.center(), scale);
   }
   for (const auto& p : entry.parameters) {

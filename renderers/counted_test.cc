@@ -174,12 +174,12 @@ TEST(CountedRenderer, SaysWhatIsNotCounted) {
 
 // Steps that are counted by hand, from the formulas in ball_proxy.cc.
 TEST(CountedRenderer, ABallsStepsOverATriangleAreWhatTheyAreByHand) {
-  constexpr double kRadius = 0.0078125;  // 2^-7: nothing is rounded
+  constexpr double ball_radius = 0.0078125;  // 2^-7: nothing is rounded
   surface::TriangleMesh one;
   one.vertices_W_m = {{-1.0, -1.0, 0.0}, {1.0, -1.0, 0.0}, {0.0, 1.0, 0.0}};
   one.triangles = {{0, 1, 2}};
   const CountedRenderer counted = make_counted_renderer(
-      model_of("god-object", {{"stiffness_N_per_m", 500.0}, {"tip_radius_m", kRadius}}), make_embree_surface(one));
+      model_of("god-object", {{"stiffness_N_per_m", 500.0}, {"tip_radius_m", ball_radius}}), make_embree_surface(one));
   ASSERT_NE(counted.renderer, nullptr);
   auto step = [&, t_s = 0.0](double z) mutable {
     const OperationCounts before = operations_on_this_thread();
@@ -203,7 +203,7 @@ TEST(CountedRenderer, ABallsStepsOverATriangleAreWhatTheyAreByHand) {
   for (const double z : {0.015625, 0.0078125, 0.00732421875}) step(z);
   const double z = 0.0068359375;
   const auto [force, counts] = step(z);
-  EXPECT_EQ(force, 500.0 * (kRadius - z));
+  EXPECT_EQ(force, 500.0 * (ball_radius - z));
   OperationCounts by_hand{0, 2, 0, 0, 7};  // roundings, as before
   const auto plus = [&](std::uint64_t add, std::uint64_t multiply, std::uint64_t square_root, std::uint64_t compare) {
     by_hand += {add, multiply, 0, square_root, compare};

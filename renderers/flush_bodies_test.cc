@@ -19,10 +19,10 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double kStiffness = 7000.0;
-constexpr double kDepth = 0.75e-3;
+constexpr double stiffness = 7000.0;
+constexpr double press_depth = 0.75e-3;
 // Of the largest force, 5 N: what the arithmetic of planes at 0.2 m from the origin leaves.
-constexpr double kRounding_N = 1e-9;
+constexpr double rounding_N = 1e-9;
 
 TriangleMesh box(const Vec3& low, const Vec3& high) {
   TriangleMesh mesh = testing::cube(1.0);
@@ -114,7 +114,7 @@ struct Scene {
   [[nodiscard]] Vec3 at(const Vec3& p) const { return turn * (scale * p) + shift; }
   [[nodiscard]] std::unique_ptr<rendering::Renderer> renderer(const std::string& name,
                                                               std::map<std::string, double> parameters = {}) const {
-    parameters["stiffness_N_per_m"] = kStiffness / scale;
+    parameters["stiffness_N_per_m"] = stiffness / scale;
     return make_renderer(model_of(name, std::move(parameters)), make_embree_surface(mesh));
   }
 };
@@ -128,11 +128,11 @@ const std::vector<Quat>& poses() {
 // Strokes over the joints: to and fro, slowly, fast, aslant.
 const std::vector<std::function<Vec3(double)>>& strokes() {
   static const std::vector<std::function<Vec3(double)>> all{
-      [](double s) { return Vec3(-0.02 + 0.04 * s, 0.001, -kDepth); },
-      [](double s) { return Vec3(0.02 - 0.04 * s, -0.0023, -kDepth); },
-      [](double s) { return Vec3(-0.0273 + 0.0513 * s, -0.0061 + 0.0117 * s, -kDepth * (1.0 - 0.9 * s)); },
+      [](double s) { return Vec3(-0.02 + 0.04 * s, 0.001, -press_depth); },
+      [](double s) { return Vec3(0.02 - 0.04 * s, -0.0023, -press_depth); },
+      [](double s) { return Vec3(-0.0273 + 0.0513 * s, -0.0061 + 0.0117 * s, -press_depth * (1.0 - 0.9 * s)); },
       [](double s) {
-        return Vec3(0.001 + 0.0005 * std::sin(40.0 * s), 0.0015 + 0.0007 * std::cos(31.0 * s), -kDepth);
+        return Vec3(0.001 + 0.0005 * std::sin(40.0 * s), 0.0015 + 0.0007 * std::cos(31.0 * s), -press_depth);
       }};
   return all;
 }
@@ -153,7 +153,7 @@ TEST(FlushBodies, AreOneFloorForEveryRendererInAnyOrderPoseAndScale) {
               const Vec3 p = stroke(i / 200.0);
               const StepResult result = hand.to(scene.at(p));
               ASSERT_TRUE(result.contact) << floor.name << ", " << name << ", scale " << scale << ", step " << i;
-              ASSERT_LE((result.f_W_N + kStiffness * p.z() * up).norm(), kRounding_N)
+              ASSERT_LE((result.f_W_N + stiffness * p.z() * up).norm(), rounding_N)
                   << floor.name << ", " << name << ", scale " << scale << ", order " << seed << ", step " << i
                   << ", at " << p.transpose() << ": " << (pose.conjugate() * result.f_W_N).transpose();
             }
@@ -185,7 +185,7 @@ TEST(FlushBodies, FrictionIsThatOfOneBox) {
               const Vec3 p = stroke(step / 200.0);
               const StepResult expected = over_one.to(whole.at(p));
               const StepResult result = over_several.to(parts.at(p));
-              ASSERT_LE((result.f_W_N - expected.f_W_N).norm(), kRounding_N)
+              ASSERT_LE((result.f_W_N - expected.f_W_N).norm(), rounding_N)
                   << all[i].name << ", " << name << ", scale " << scale << ", step " << step;
             }
           }
@@ -203,7 +203,7 @@ TEST(FlushBodies, SinglePrecisionMakesNoWall) {
       const auto renderer = scene.renderer("god-object");
       const Vec3 up = pose * Vec3::UnitZ();
       // Heights off by what counts as flush.
-      const double off_N = kStiffness * flush_m(0.1);
+      const double off_N = stiffness * flush_m(0.1);
       for (const auto& stroke : strokes()) {
         Hand hand(*renderer);
         hand.to(scene.at(stroke(0.0) + Vec3(0, 0, 0.002)));
@@ -211,8 +211,8 @@ TEST(FlushBodies, SinglePrecisionMakesNoWall) {
           const Vec3 p = stroke(i / 500.0);
           const StepResult result = hand.to(scene.at(p));
           // The planes lean by what their corners are off over the smallest box, 7 mm.
-          const double lean_N = kStiffness * kDepth * flush_m(0.1) / 7e-3;
-          ASSERT_LE((result.f_W_N + kStiffness * p.z() * up).norm(), off_N + lean_N)
+          const double lean_N = stiffness * press_depth * flush_m(0.1) / 7e-3;
+          ASSERT_LE((result.f_W_N + stiffness * p.z() * up).norm(), off_N + lean_N)
               << floor.name << ", step " << i << ": " << (pose.conjugate() * result.f_W_N).transpose();
         }
       }
@@ -231,7 +231,7 @@ TEST(FlushBodies, FreeJustAboveTheFloorAndHardlyHeldJustBelow) {
           Hand hand(*renderer);
           for (int i = 0; i <= 200; ++i) {
             const StepResult result = hand.to(scene.at({-0.02 + 2e-4 * i, y, height}));
-            ASSERT_LE(result.f_W_N.norm(), kStiffness * std::max(0.0, -height) + kRounding_N)
+            ASSERT_LE(result.f_W_N.norm(), stiffness * std::max(0.0, -height) + rounding_N)
                 << floor.name << ", pose " << &pose - poses().data() << ", height " << height << ", y " << y
                 << ", step " << i << ": " << (pose.conjugate() * result.f_W_N).transpose();
           }
@@ -263,7 +263,7 @@ TEST(FlushBodies, ATipInTheFloorItselfTouchesNothing) {
             Hand hand(*renderer);
             for (int i = 0; i <= 60; ++i) {
               const StepResult result = hand.to(scene.at(a + i / 60.0 * (b - a)));
-              ASSERT_LE(result.f_W_N.norm(), kRounding_N)
+              ASSERT_LE(result.f_W_N.norm(), rounding_N)
                   << floor.name << ", pose " << &pose - poses().data() << ", scale " << scale << ", order " << seed
                   << ", line " << line << ", step " << i << ": " << (pose.conjugate() * result.f_W_N).transpose();
             }
@@ -288,9 +288,9 @@ TEST(FlushBodies, StepsAndWallsHold) {
           Hand hand(*renderer);
           hand.to(scene.at({-0.02, 0.001, 0.002}));
           for (int i = 0; i <= 200; ++i) {
-            const Vec3 p(-0.02 + 2e-4 * i, 0.001 + 1e-5 * i, -kDepth);
+            const Vec3 p(-0.02 + 2e-4 * i, 0.001 + 1e-5 * i, -press_depth);
             const StepResult result = hand.to(scene.at(p));
-            const Vec3 expected = kStiffness * Vec3(std::min(0.0, 0.005 - p.x()), 0.0, kDepth);
+            const Vec3 expected = stiffness * Vec3(std::min(0.0, 0.005 - p.x()), 0.0, press_depth);
             ASSERT_LE((pose.conjugate() * result.f_W_N - expected).norm(), 1e-8 * (1.0 + expected.norm()))
                 << "rise " << rise << ", low " << low << ", scale " << scale << ", step " << i;
           }
@@ -313,9 +313,9 @@ TEST(FlushBodies, TheSideOfAStackIsOneWall) {
         hand.to(scene.at({0.025, 0.003, from}));
         for (int i = 0; i <= 300; ++i) {
           const double z = from + (0.049 - 2 * from) * i / 300.0;
-          const StepResult result = hand.to(scene.at({0.02 - kDepth, 0.003, z}));
-          const Vec3 expected = kStiffness * kDepth * (pose * Vec3::UnitX());
-          ASSERT_LE((result.f_W_N - expected).norm(), kRounding_N) << name << ", step " << i;
+          const StepResult result = hand.to(scene.at({0.02 - press_depth, 0.003, z}));
+          const Vec3 expected = stiffness * press_depth * (pose * Vec3::UnitX());
+          ASSERT_LE((result.f_W_N - expected).norm(), rounding_N) << name << ", step " << i;
         }
       }
     }
@@ -329,9 +329,9 @@ TEST(FlushBodies, ARunThatStartsInsideStartsOnTheOutside) {
       const auto renderer = scene.renderer("god-object");
       for (const double x : {-0.013, 0.0005, 0.0021, 0.0025, 0.0029, 0.003, 0.0031}) {
         Hand hand(*renderer);
-        const StepResult result = hand.to(scene.at({x, 0.0007, -kDepth}));
+        const StepResult result = hand.to(scene.at({x, 0.0007, -press_depth}));
         const Vec3 f = awkward_rotation().conjugate() * result.f_W_N;
-        EXPECT_LE((f - Vec3(0, 0, kStiffness * kDepth)).norm(), kRounding_N)
+        EXPECT_LE((f - Vec3(0, 0, stiffness * press_depth)).norm(), rounding_N)
             << floor.name << ", x " << x << ", scale " << scale << ": " << f.transpose();
       }
     }
@@ -347,12 +347,12 @@ TEST(FlushBodies, ABallThatStartsInsideStartsOnTheOutside) {
       for (const double radius : {1e-4, 1e-3, 3e-3}) {
         const auto renderer = scene.renderer("god-object", {{"tip_radius_m", radius * scale}});
         for (const double x : {-0.013, 0.0005, 0.00099, 0.0021, 0.0025, 0.0029, 0.003, 0.0031}) {
-          for (const double depth : {kDepth, 3.0 * kDepth}) {
+          for (const double depth : {press_depth, 3.0 * press_depth}) {
             Hand hand(*renderer);
             for (int i = 0; i < 5; ++i) {
               const StepResult result = hand.to(scene.at({x + 1e-4 * i, 0.0007, -depth}));
               const Vec3 f = awkward_rotation().conjugate() * result.f_W_N;
-              ASSERT_LE((f - Vec3(0, 0, kStiffness * (radius + depth))).norm(), kRounding_N)
+              ASSERT_LE((f - Vec3(0, 0, stiffness * (radius + depth))).norm(), rounding_N)
                   << floor.name << ", x " << x << ", depth " << depth << ", radius " << radius << ", scale " << scale
                   << ", step " << i << ": " << f.transpose();
             }

@@ -15,7 +15,7 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
+constexpr double stiffness = 500.0;
 
 TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
   TriangleMesh both = a;
@@ -65,7 +65,7 @@ TEST(IrregularMesh, OverCrossingBodiesItStaysOutsideOfBoth) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     const TriangleMesh mesh =
         surface::moved(crossing_cubes(), awkward_rotation(), scale * Vec3(0.01, 0.02, -0.03), scale);
-    const auto renderer = god_object(mesh, kStiffness / scale);
+    const auto renderer = god_object(mesh, stiffness / scale);
     const auto at = [&](const Vec3& p) {
       return Vec3(awkward_rotation() * (scale * p) + scale * Vec3(0.01, 0.02, -0.03));
     };
@@ -100,10 +100,10 @@ TEST(IrregularMesh, TurnedTrianglesHoldWhenTheyAreRepairedOrTwoSided) {
     for (auto& triangle : broken.triangles) {
       if (random.uniform() < 0.01) std::swap(triangle[1], triangle[2]);
     }
-    const auto expected = god_object(sound, kStiffness / scale);
-    const auto as_it_is = god_object(broken, kStiffness / scale);
-    const auto repaired = god_object(orient(broken).mesh, kStiffness / scale);
-    const auto both = god_object(two_sided(broken), kStiffness / scale);
+    const auto expected = god_object(sound, stiffness / scale);
+    const auto as_it_is = god_object(broken, stiffness / scale);
+    const auto repaired = god_object(orient(broken).mesh, stiffness / scale);
+    const auto both = god_object(two_sided(broken), stiffness / scale);
     Hand over_sound(*expected), over_broken(*as_it_is), over_repaired(*repaired), over_both(*both);
     int lost = 0;
     for (int i = 0; i < 10000; ++i) {
@@ -118,7 +118,7 @@ TEST(IrregularMesh, TurnedTrianglesHoldWhenTheyAreRepairedOrTwoSided) {
       const StepResult held = over_both.to(p);
       ASSERT_EQ(held.contact, truth.contact) << "scale " << scale << " step " << i;
       // At an edge it may rest where a walk slides on (plane_contact.h): a facet's bend beside the depth.
-      ASSERT_LE((held.f_W_N - truth.f_W_N).norm(), 0.2 * kStiffness * 1e-3) << "scale " << scale << " step " << i;
+      ASSERT_LE((held.f_W_N - truth.f_W_N).norm(), 0.2 * stiffness * 1e-3) << "scale " << scale << " step " << i;
     }
     EXPECT_GT(lost, 0) << "scale " << scale;
   }
@@ -143,7 +143,7 @@ TEST(IrregularMesh, NoPressThroughAnyOfThemAndNoAnswerThatIsNotFinite) {
   }
   for (const TriangleMesh& mesh : {broken, soup, crossing_cubes()}) {
     for (const double radius : {0.0, 1e-3}) {
-      const auto renderer = god_object(mesh, kStiffness, radius);
+      const auto renderer = god_object(mesh, stiffness, radius);
       Hand hand(*renderer);
       Vec3 p(0.05, 0.04, 0.03);
       Vec3 target = p;
@@ -165,9 +165,9 @@ TEST(IrregularMesh, NoPressThroughAnyOfThemAndNoAnswerThatIsNotFinite) {
 // world in millimetres, setHapticTriangleSides(true, true)) stands off by its epsilon of 0.1 um: 0.40008,
 // 0.80008, 1.20008 and 1.60008 N at 0.5 to 2 mm, up or down, and nothing sideways.
 TEST(IrregularMesh, ASheetOfTwoSidesStopsTheTipAsChai3dDoes) {
-  constexpr double kStiff = 800.0;
+  constexpr double stiff = 800.0;
   for (const char* const name : {"god-object", "friction-cone", "force-shading"}) {
-    const auto renderer = make_renderer(model_of(name, {{"stiffness_N_per_m", kStiff}}),
+    const auto renderer = make_renderer(model_of(name, {{"stiffness_N_per_m", stiff}}),
                                         make_embree_surface(two_sided(touchstone::testing::grid(1.0, 2))));
     // Over a face, along the diagonal of a square, through the middle vertex.
     for (const Vec3& along : {Vec3(0.3, -0.2, 0.0), Vec3(0.3, 0.3, 0.0), Vec3(-0.3, 0.2, 0.0)}) {
@@ -181,7 +181,7 @@ TEST(IrregularMesh, ASheetOfTwoSidesStopsTheTipAsChai3dDoes) {
           const StepResult result = hand.to(tip);
           if (i == 4) continue;  // in the sheet CHAI3D's epsilon is all there is
           const double chai3d_N = i < 4 ? 0.0 : side * (0.4 * (i - 4) + 0.00008);
-          EXPECT_NEAR((result.f_W_N - Vec3(0.0, 0.0, chai3d_N)).norm(), 0.0, kStiff * 1.01e-7)
+          EXPECT_NEAR((result.f_W_N - Vec3(0.0, 0.0, chai3d_N)).norm(), 0.0, stiff * 1.01e-7)
               << name << " " << along.transpose() << " " << side << " " << i;
         }
       }

@@ -94,11 +94,11 @@ INSTANTIATE_TEST_SUITE_P(MovingObject, Everywhere,
 // A plate whose top is at z = v t rises to a tip that stays at z = 0, from 5 mm below: F = k v (t - t0).
 TEST(MovingObject, AWallThatComesPushesByItsDepth) {
   const TriangleMesh plate = testing::grid(0.02, 4);
-  constexpr double kSpeed_m_per_s = 0.01;
+  constexpr double speed_m_per_s = 0.01;
   MotionColumns poses;
   for (const double t_s : {0.0, 1.0}) {  // two poses: between them the motion is uniform
     poses.t_s.push_back(t_s);
-    poses.p_W_m.emplace_back(0.0, 0.0, -0.005 + kSpeed_m_per_s * t_s);
+    poses.p_W_m.emplace_back(0.0, 0.0, -0.005 + speed_m_per_s * t_s);
     poses.q_WS.push_back(Quat::Identity());
   }
   MovingObject wall(make(R"("renderer": "god-object", "parameters": {"stiffness_N_per_m": 400})", plate), poses,
@@ -108,7 +108,7 @@ TEST(MovingObject, AWallThatComesPushesByItsDepth) {
     const double t_s = 1e-3 * i;
     const StepResult result = wall.step({t_s, Vec3(0.001, 0.002, 0.0), Quat::Identity()});
     ASSERT_EQ(result.status, StepStatus::ok);
-    const double depth_m = std::max(0.0, -0.005 + kSpeed_m_per_s * t_s);
+    const double depth_m = std::max(0.0, -0.005 + speed_m_per_s * t_s);
     EXPECT_NEAR(result.f_W_N.z(), 400.0 * depth_m, 1e-12);
     if (depth_m > 1e-6) {
       EXPECT_NEAR((result.contact_W_m - Vec3(0.001, 0.002, depth_m)).norm(), 0.0, 1e-15);
@@ -120,9 +120,9 @@ TEST(MovingObject, AWallThatComesPushesByItsDepth) {
 // other way over a resting floor is held back.
 TEST(MovingObject, AFloorThatSlidesDragsTheTipAlong) {
   const TriangleMesh floor = testing::grid(0.2, 4);
-  constexpr double kMu = 0.4;
-  constexpr double kDepth_m = 1e-3;
-  constexpr double kStiffness_N_per_m = 500.0;
+  constexpr double mu = 0.4;
+  constexpr double probe_depth_m = 1e-3;
+  constexpr double object_stiffness_N_per_m = 500.0;
   const std::string model =
       R"("renderer": "friction-cone", "parameters": {"stiffness_N_per_m": 500, "mu_static": 0.4, "mu_dynamic": 0.4})";
   MotionColumns poses;
@@ -137,12 +137,13 @@ TEST(MovingObject, AFloorThatSlidesDragsTheTipAlong) {
   resting->reset();
   for (int i = 0; i <= 1000; ++i) {
     const double t_s = 1e-3 * i;
-    const double z_m = i < 50 ? 1e-3 - 4e-5 * i : -kDepth_m;
+    const double z_m = i < 50 ? 1e-3 - 4e-5 * i : -probe_depth_m;
     const StepResult dragged = moving.step({t_s, Vec3(0.0, 0.0, z_m), Quat::Identity()});
     const StepResult held = resting->step({t_s, Vec3(-0.03 * t_s, 0.04 * t_s, z_m), Quat::Identity()});
     EXPECT_NEAR((dragged.f_W_N - held.f_W_N).norm(), 0.0, 1e-12);
     if (t_s > 0.5) {
-      EXPECT_NEAR((dragged.f_W_N - Vec3(0.6 * kMu, -0.8 * kMu, 1.0) * kStiffness_N_per_m * kDepth_m).norm(), 0.0, 1e-9);
+      EXPECT_NEAR((dragged.f_W_N - Vec3(0.6 * mu, -0.8 * mu, 1.0) * object_stiffness_N_per_m * probe_depth_m).norm(),
+                  0.0, 1e-9);
     }
   }
 }

@@ -29,8 +29,8 @@ using surface::TriangleMesh;
 using namespace touchstone::testing;
 namespace {
 
-constexpr double kTick_s = 1e-3;
-constexpr double kStiffness = 500.0;
+constexpr double tick_s = 1e-3;
+constexpr double stiffness = 500.0;
 
 BodyPose at_rest(const Vec3& p = Vec3::Zero(), const Quat& q = Quat::Identity()) { return {p, q}; }
 // a after b: x -> a(b(x)).
@@ -40,8 +40,8 @@ BodyPose after(const BodyPose& a, const BodyPose& b) { return {a.to_W(b.p_W_m), 
 PoseTrack track(const std::function<BodyPose(double)>& pose, int ticks) {
   MotionColumns poses;
   for (int i = 0; i <= ticks; ++i) {
-    const BodyPose now = pose(kTick_s * i);
-    poses.t_s.push_back(kTick_s * i);
+    const BodyPose now = pose(tick_s * i);
+    poses.t_s.push_back(tick_s * i);
     poses.p_W_m.push_back(now.p_W_m);
     poses.q_WS.push_back(now.q_WB);
   }
@@ -64,7 +64,7 @@ std::shared_ptr<const BodyScene> scene_of(const std::vector<Moving>& bodies, int
 }
 
 Model model(const std::string& renderer, double mu = 0.0) {
-  std::map<std::string, double> parameters{{"stiffness_N_per_m", kStiffness}};
+  std::map<std::string, double> parameters{{"stiffness_N_per_m", stiffness}};
   if (mu > 0.0) {
     parameters["mu_static"] = mu;
     parameters["mu_dynamic"] = mu;
@@ -117,7 +117,7 @@ Differences compare(Renderer& first, Renderer& second, const std::vector<Vec3>& 
   second.reset();
   Differences out;
   for (std::size_t i = 0; i < tips.size(); ++i) {
-    const double t_s = kTick_s * static_cast<double>(i);
+    const double t_s = tick_s * static_cast<double>(i);
     const BodyPose x = frame(t_s);
     const StepResult expected = first.step({t_s, tips[i], Quat::Identity()});
     const StepResult obtained = second.step({t_s, x.to_W(tips[i]), x.q_WB});
@@ -154,31 +154,31 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SceneOf,
 // Two bodies, one overlapping the other, that move together answer as they do at rest; without friction that is the
 // answer of one object of their joined mesh. (With friction a mesh walks where a scene goes by planes, near the joint.)
 TEST_P(SceneOf, BodiesThatMoveTogetherAreOneObjectThatMoves) {
-  constexpr int kTicks = 1500;
+  constexpr int tick_count = 1500;
   for (const double scale : {1e-2, 1.0, 1e2}) {
     const TriangleMesh first = moved(testing::torus(0.02, 0.008, 24, 12), awkward_rotation(), {0.0, 0.0, 0.0}, scale);
     const TriangleMesh second = moved(testing::cube(0.006), awkward_rotation(), Vec3(0.024, 0.01, 0.0) * scale, scale);
     const auto frame = [&](double t_s) { return swing(t_s, scale); };
-    const auto tips = stroll(first, scale, 11, kTicks);
+    const auto tips = stroll(first, scale, 11, tick_count);
     BodyScene joined;
     for (const TriangleMesh& mesh : {first, second})
       joined.bodies.push_back({"", make_embree_surface(mesh), PoseTrack()});
     const auto rest = [](double) { return at_rest(); };
-    const auto still = GetParam().second > 0.0 ? over({{first, rest}, {second, rest}}, kTicks)
+    const auto still = GetParam().second > 0.0 ? over({{first, rest}, {second, rest}}, tick_count)
                                                : make_renderer(tested(), make_embree_surface(joined_mesh(joined)));
-    const auto together = over({{first, frame}, {second, frame}}, kTicks);
+    const auto together = over({{first, frame}, {second, frame}}, tick_count);
     const Differences off = compare(*still, *together, tips, frame);
     ASSERT_GT(off.touched, 300);
     // The tip comes back from W rounded by some eps times how far off it is (0.5 scale); the force is k times that.
     const double rounding_m = 256.0 * 2.2e-16 * scale;
     EXPECT_LE(off.place_m, 4.0 * rounding_m) << scale;
-    EXPECT_LE(off.force_N, 4.0 * kStiffness * rounding_m) << scale;
+    EXPECT_LE(off.force_N, 4.0 * stiffness * rounding_m) << scale;
   }
 }
 
 // The whole of a scene in which bodies move against each other, seen from a frame that moves.
 TEST_P(SceneOf, SeenFromAMovingFrameItIsTheSame) {
-  constexpr int kTicks = 2000;
+  constexpr int tick_count = 2000;
   const TriangleMesh ground = floor_box();
   const TriangleMesh ram = moved(testing::torus(0.02, 0.008, 24, 12), awkward_rotation(), Vec3::Zero());
   const TriangleMesh slab = box({-0.01, -0.04, -0.01}, {0.01, 0.04, 0.03});
@@ -192,8 +192,8 @@ TEST_P(SceneOf, SeenFromAMovingFrameItIsTheSame) {
   Random random(5);
   std::vector<Vec3> tips;
   Vec3 p(-0.03, -0.03, 0.02);
-  for (int i = 0; i <= kTicks; ++i) {
-    const double t_s = kTick_s * i;
+  for (int i = 0; i <= tick_count; ++i) {
+    const double t_s = tick_s * i;
     const Vec3 aim(0.035 * std::sin(1.7 * t_s + 1.0), 0.03 * std::sin(2.3 * t_s), 0.004 * std::cos(5.0 * t_s));
     p += 0.05 * (aim - p) + 2e-5 * random.direction();
     tips.push_back(p);
@@ -201,30 +201,29 @@ TEST_P(SceneOf, SeenFromAMovingFrameItIsTheSame) {
   const auto frame = [](double t_s) { return swing(t_s, 1.0); };
   const auto seen = [&](auto pose) { return [=](double t_s) { return after(frame(t_s), pose(t_s)); }; };
   const auto rest = [](double) { return at_rest(); };
-  const auto one = over({{ground, rest}, {ram, ram_pose}, {slab, slab_pose}}, kTicks);
-  const auto other = over({{ground, seen(rest)}, {ram, seen(ram_pose)}, {slab, seen(slab_pose)}}, kTicks);
+  const auto one = over({{ground, rest}, {ram, ram_pose}, {slab, slab_pose}}, tick_count);
+  const auto other = over({{ground, seen(rest)}, {ram, seen(ram_pose)}, {slab, seen(slab_pose)}}, tick_count);
   const Differences off = compare(*one, *other, tips, frame);
   ASSERT_GT(off.touched, 500);
   // Rounding, and where contacts begin what counts as flush (12 nm here).
-  EXPECT_LE(off.force_N, kStiffness * 0x1p-22 * 0.06 * 8.0);
+  EXPECT_LE(off.force_N, stiffness * 0x1p-22 * 0.06 * 8.0);
 }
 
 // One body of a scene that moves, the other far away, is that body alone.
 TEST_P(SceneOf, AFarBodyChangesNothing) {
-  constexpr int kTicks = 1500;
+  constexpr int tick_count = 1500;
   const TriangleMesh mesh = moved(testing::torus(0.02, 0.008, 24, 12), awkward_rotation(), Vec3::Zero());
   const auto pose = [](double t_s) { return swing(t_s, 0.2); };
-  const auto tips_B = stroll(mesh, 1.0, 3, kTicks);
+  const auto tips_B = stroll(mesh, 1.0, 3, tick_count);
   std::vector<Vec3> tips;
-  for (std::size_t i = 0; i < tips_B.size(); ++i)
-    tips.push_back(pose(kTick_s * static_cast<double>(i)).to_W(tips_B[i]));
-  rendering::MovingObject alone(make_renderer(tested(), make_embree_surface(mesh)), track(pose, kTicks));
+  for (std::size_t i = 0; i < tips_B.size(); ++i) tips.push_back(pose(tick_s * static_cast<double>(i)).to_W(tips_B[i]));
+  rendering::MovingObject alone(make_renderer(tested(), make_embree_surface(mesh)), track(pose, tick_count));
   const auto scene = over({{mesh, pose},
                            {testing::cube(0.01),
                             [](double t_s) {
                               return at_rest({1.0 + t_s, 0, 0});
                             }}},
-                          kTicks);
+                          tick_count);
   const Differences off = compare(alone, *scene, tips, [](double) { return at_rest(); });
   ASSERT_GT(off.touched, 300);
   EXPECT_LE(off.force_N, 1e-10);
@@ -238,7 +237,7 @@ TEST_P(SceneOf, AllocatesNothingInAStep) {
   renderer->reset();
   const testing::AllocationGuard guard;
   for (int i = 0; i <= 1000; ++i) {
-    const StepResult result = renderer->step({kTick_s * i, {0.0, 0.001, 0.001 - 2e-6 * i}, Quat::Identity()});
+    const StepResult result = renderer->step({tick_s * i, {0.0, 0.001, 0.001 - 2e-6 * i}, Quat::Identity()});
     ASSERT_EQ(result.status, StepStatus::ok);
   }
   EXPECT_EQ(guard.count(), 0U);
@@ -247,24 +246,24 @@ TEST_P(SceneOf, AllocatesNothingInAStep) {
 // A wall comes along -x to a tip that is pressed d into a floor at rest: without friction F = k (depth in the wall, 0,
 // d), from the moment when it arrives.
 TEST(Scene, AWallThatComesPushesByItsDepthWhileTheFloorHolds) {
-  constexpr double kDepth = 1e-3;
+  constexpr double press_depth = 1e-3;
   for (const double speed : {0.005, 0.05, 0.5}) {
     const auto wall = [=](double t_s) {
       return at_rest({0.025 - speed * t_s, 0.0, 0.0});
     };  // its face at x = -0.01 of B
-    const int ticks = static_cast<int>(0.018 / speed / kTick_s);
+    const int ticks = static_cast<int>(0.018 / speed / tick_s);
     const auto scene = scene_of(
         {{floor_box(), [](double) { return at_rest(); }}, {box({-0.01, -0.04, -0.01}, {0.01, 0.04, 0.03}), wall}},
         ticks);
     const auto renderer = make_scene_renderer(model("god-object"), scene);
     renderer->reset();
     for (int i = 0; i <= ticks; ++i) {
-      const Vec3 tip(0.0, 0.002, i < 5 ? 1e-3 - 5e-4 * i : -kDepth);
-      const StepResult result = renderer->step({kTick_s * i, tip, Quat::Identity()});
+      const Vec3 tip(0.0, 0.002, i < 5 ? 1e-3 - 5e-4 * i : -press_depth);
+      const StepResult result = renderer->step({tick_s * i, tip, Quat::Identity()});
       if (i < 5) continue;
-      const double depth_m = std::max(0.0, -(0.015 - speed * kTick_s * i));
-      ASSERT_NEAR(result.f_W_N.z(), kStiffness * kDepth, 1e-9) << speed << " " << i;
-      ASSERT_NEAR(result.f_W_N.x(), -kStiffness * depth_m, 1e-9) << speed << " " << i;
+      const double depth_m = std::max(0.0, -(0.015 - speed * tick_s * i));
+      ASSERT_NEAR(result.f_W_N.z(), stiffness * press_depth, 1e-9) << speed << " " << i;
+      ASSERT_NEAR(result.f_W_N.x(), -stiffness * depth_m, 1e-9) << speed << " " << i;
       ASSERT_NEAR(result.f_W_N.y(), 0.0, 1e-12);
     }
   }
@@ -272,17 +271,17 @@ TEST(Scene, AWallThatComesPushesByItsDepthWhileTheFloorHolds) {
 
 // Two blocks close to a wedge: the god-object is the point nearest to the tip in front of both faces.
 TEST(Scene, AWedgeThatClosesIsTheNearestPointInFrontOfBoth) {
-  constexpr int kTicks = 1000;
+  constexpr int tick_count = 1000;
   const double lean = 0.5;
   const auto block = box({-0.04, -0.04, -0.03}, {0.04, 0.04, 0.0});  // its face is z = 0 of B
   const auto left = [=](double) { return at_rest({0, 0, 0}, Quat(Eigen::AngleAxisd(lean, Vec3::UnitY()))); };
   const auto right = [=](double t_s) {
     return at_rest({0.0, 0.0, 0.01 * t_s - 0.004}, Quat(Eigen::AngleAxisd(-lean, Vec3::UnitY())));
   };
-  const auto renderer = make_scene_renderer(model("god-object"), scene_of({{block, left}, {block, right}}, kTicks));
+  const auto renderer = make_scene_renderer(model("god-object"), scene_of({{block, left}, {block, right}}, tick_count));
   renderer->reset();
-  for (int i = 0; i <= kTicks; ++i) {
-    const double t_s = kTick_s * i;
+  for (int i = 0; i <= tick_count; ++i) {
+    const double t_s = tick_s * i;
     const double down = std::min(1.0, i / 50.0);
     const Vec3 tip(0.001, 0.0, 0.01 - 0.0125 * down);
     const StepResult result = renderer->step({t_s, tip, Quat::Identity()});
@@ -302,7 +301,7 @@ TEST(Scene, AWedgeThatClosesIsTheNearestPointInFrontOfBoth) {
       l2 = 0.0;
       l1 = std::max(0.0, b1);
     }
-    ASSERT_NEAR((result.f_W_N - kStiffness * (l1 * n1 + l2 * n2)).norm(), 0.0, 1e-9) << i;
+    ASSERT_NEAR((result.f_W_N - stiffness * (l1 * n1 + l2 * n2)).norm(), 0.0, 1e-9) << i;
   }
 }
 
@@ -310,7 +309,7 @@ TEST(Scene, AWedgeThatClosesIsTheNearestPointInFrontOfBoth) {
 TEST(Scene, AThinPlateThatComesFastPassesOverNothing) {
   const auto plate = box({-0.0005, -0.04, -0.04}, {0.0005, 0.04, 0.04});
   for (const double step_m : {1e-4, 7e-4, 3e-3, 9e-3}) {
-    const auto pose = [=](double t_s) { return at_rest({-0.012 + step_m * t_s / kTick_s, 0.0, 0.0}); };
+    const auto pose = [=](double t_s) { return at_rest({-0.012 + step_m * t_s / tick_s, 0.0, 0.0}); };
     const auto scene = scene_of({{plate, pose},
                                  {floor_box(),
                                   [](double) {
@@ -320,10 +319,10 @@ TEST(Scene, AThinPlateThatComesFastPassesOverNothing) {
     const auto renderer = make_scene_renderer(model("god-object"), scene);
     renderer->reset();
     for (int i = 0; i <= static_cast<int>(0.03 / step_m); ++i) {
-      const StepResult result = renderer->step({kTick_s * i, {0.0, 0.001, 0.002}, Quat::Identity()});
+      const StepResult result = renderer->step({tick_s * i, {0.0, 0.001, 0.002}, Quat::Identity()});
       const double depth_m = -0.012 + step_m * i + 0.0005;
       if (std::abs(depth_m) > 1e-12) {
-        ASSERT_NEAR(result.f_W_N.x(), depth_m > 0.0 ? kStiffness * depth_m : 0.0, 1e-9) << step_m << " " << i;
+        ASSERT_NEAR(result.f_W_N.x(), depth_m > 0.0 ? stiffness * depth_m : 0.0, 1e-9) << step_m << " " << i;
       }
     }
   }
@@ -332,8 +331,8 @@ TEST(Scene, AThinPlateThatComesFastPassesOverNothing) {
 // A belt slides below a tip that presses on it, between two guides that stand off the belt and do not touch the tip: it
 // is dragged by mu k d as on the belt alone.
 TEST(Scene, ABeltDragsTheTipByFrictionBetweenGuides) {
-  constexpr double kMu = 0.4;
-  constexpr double kDepth = 1e-3;
+  constexpr double true_mu = 0.4;
+  constexpr double press_depth = 1e-3;
   const auto belt_pose = [](double t_s) { return at_rest({0.03 * t_s, -0.04 * t_s, 0.0}); };
   const auto guide = box({-0.04, 0.002, 0.0005}, {0.04, 0.01, 0.02});
   const auto scene = scene_of({{box({-0.3, -0.3, -0.02}, {0.3, 0.3, 0.0}), belt_pose},
@@ -343,35 +342,36 @@ TEST(Scene, ABeltDragsTheTipByFrictionBetweenGuides) {
                                   return at_rest({0.0, -0.014, 0.0});
                                 }}},
                               1000);
-  const auto renderer = make_scene_renderer(model("friction-cone", kMu), scene);
+  const auto renderer = make_scene_renderer(model("friction-cone", true_mu), scene);
   renderer->reset();
   for (int i = 0; i <= 1000; ++i) {
-    const double z_m = i < 50 ? 1e-3 - 4e-5 * i : -kDepth;
-    const StepResult result = renderer->step({kTick_s * i, {0.0, 0.0, z_m}, Quat::Identity()});
+    const double z_m = i < 50 ? 1e-3 - 4e-5 * i : -press_depth;
+    const StepResult result = renderer->step({tick_s * i, {0.0, 0.0, z_m}, Quat::Identity()});
     if (i < 500) continue;
-    ASSERT_NEAR((result.f_W_N - Vec3(0.6 * kMu, -0.8 * kMu, 1.0) * kStiffness * kDepth).norm(), 0.0, 1e-8) << i;
+    ASSERT_NEAR((result.f_W_N - Vec3(0.6 * true_mu, -0.8 * true_mu, 1.0) * stiffness * press_depth).norm(), 0.0, 1e-8)
+        << i;
   }
 }
 
 // The belt drags the tip's proxy against a stop at rest. Before it arrives friction is on the cone; then the stop holds
 // it: the belt slides below, and the tip, at the stop's face, feels the belt's pull no more than the cone allows.
 TEST(Scene, ABeltDragsTheProxyAgainstAStop) {
-  constexpr double kMu = 0.5;
-  constexpr double kDepth = 2e-3;
+  constexpr double true_mu = 0.5;
+  constexpr double press_depth = 2e-3;
   const auto belt_pose = [](double t_s) { return at_rest({0.02 * t_s, 0.0, 0.0}); };
   const auto stop = box({0.0004, -0.04, -0.01}, {0.01, 0.04, 0.02});
   const auto scene = scene_of(
       {{box({-0.3, -0.3, -0.02}, {0.3, 0.3, 0.0}), belt_pose}, {stop, [](double) { return at_rest(); }}}, 1000);
-  const auto renderer = make_scene_renderer(model("friction-cone", kMu), scene);
+  const auto renderer = make_scene_renderer(model("friction-cone", true_mu), scene);
   renderer->reset();
   for (int i = 0; i <= 1000; ++i) {
-    const double z_m = i < 50 ? 1e-3 - 6e-5 * i : -kDepth;
-    const StepResult result = renderer->step({kTick_s * i, {0.0, 0.0, z_m}, Quat::Identity()});
-    ASSERT_LE(result.f_W_N.head<2>().norm(), kMu * kStiffness * kDepth + 1e-6);
+    const double z_m = i < 50 ? 1e-3 - 6e-5 * i : -press_depth;
+    const StepResult result = renderer->step({tick_s * i, {0.0, 0.0, z_m}, Quat::Identity()});
+    ASSERT_LE(result.f_W_N.head<2>().norm(), true_mu * stiffness * press_depth + 1e-6);
     // The proxy never enters the stop: 0.4 mm is below mu d = 1 mm.
     ASSERT_LE(result.contact_W_m.x(), 0.0004 + 1e-9) << i;
     if (i < 500) continue;
-    ASSERT_NEAR(result.f_W_N.z(), kStiffness * kDepth, 1e-6);
+    ASSERT_NEAR(result.f_W_N.z(), stiffness * press_depth, 1e-6);
     ASSERT_GE(result.f_W_N.x(), -1e-9) << i;
   }
 }
@@ -382,7 +382,7 @@ TEST(Scene, AnythingRendersBodiesAtRest) {
   scene->bodies.push_back({"low", make_embree_surface(floor_box()), PoseTrack()});
   scene->bodies.push_back({"high", make_embree_surface(testing::cube(0.01)), PoseTrack(at_rest({0.03, 0.0, 0.005}))});
   for (const char* const name : {"god-object", "penalty", "spring-linear"}) {
-    const auto renderer = make_scene_renderer(model_of(name, {{"stiffness_N_per_m", kStiffness}}), scene);
+    const auto renderer = make_scene_renderer(model_of(name, {{"stiffness_N_per_m", stiffness}}), scene);
     Hand hand(*renderer);
     hand.stroke({-0.02, 0.0, 0.01}, {-0.02, 0.0, -0.001}, 20);
     EXPECT_NEAR(hand.to({-0.02, 0.0, -0.001}).f_W_N.z(), 0.5, 1e-9) << name;
@@ -396,7 +396,7 @@ TEST(Scene, OneBodyInAPoseIsAnyRenderersToo) {
   scene->source = "test scene";
   scene->bodies.push_back({"leaning", make_embree_surface(testing::grid(0.05, 4)),
                            PoseTrack(at_rest({0.0, 0.0, 0.1}, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()))))});
-  const auto renderer = make_scene_renderer(model_of("spring-linear", {{"stiffness_N_per_m", kStiffness}}), scene);
+  const auto renderer = make_scene_renderer(model_of("spring-linear", {{"stiffness_N_per_m", stiffness}}), scene);
   Hand hand(*renderer);
   const Vec3 n = scene->bodies[0].pose.first().q_WB * Vec3::UnitZ();
   hand.to(Vec3(0.0, 0.0, 0.1) + 0.002 * n);
@@ -457,7 +457,7 @@ TEST(Scene, StartsInsideAtTheClosestPlaceOutside) {
 // A press that comes down into the floor, over a tip that is pressed into it, leaves no space: the god-object stays on
 // the floor, whose force is F = k dx as before and after.
 TEST(Scene, APressThatLeavesNoSpaceDoesNotTakeTheFloorAway) {
-  constexpr double kDepth = 1e-3;
+  constexpr double press_depth = 1e-3;
   const auto press = [](double t_s) {  // down to -0.2 mm, twice
     return at_rest({0, 0, 0.0004 + 0.0006 * std::cos(4.0 * std::numbers::pi * t_s)});
   };
@@ -468,10 +468,10 @@ TEST(Scene, APressThatLeavesNoSpaceDoesNotTakeTheFloorAway) {
                                                        1000));
     renderer->reset();
     for (int i = 0; i <= 1000; ++i) {
-      const Vec3 tip(0.001, 0.002, i < 5 ? 5e-4 - 3e-4 * i : -kDepth);
-      const StepResult result = renderer->step({kTick_s * i, tip, Quat::Identity()});
+      const Vec3 tip(0.001, 0.002, i < 5 ? 5e-4 - 3e-4 * i : -press_depth);
+      const StepResult result = renderer->step({tick_s * i, tip, Quat::Identity()});
       if (i >= 5) {
-        ASSERT_NEAR(result.f_W_N.z(), kStiffness * kDepth, 1e-9) << mu << " " << i;
+        ASSERT_NEAR(result.f_W_N.z(), stiffness * press_depth, 1e-9) << mu << " " << i;
       }
     }
   }

@@ -79,7 +79,7 @@ py::class_<Loaded<T>, Shared<T>> bind_kind(py::module_& module, const char* name
   return kind;
 }
 
-constexpr const char* kSave =
+constexpr const char* save_help =
     "Writes CSV (.csv, .csv.gz) or HDF5 (.h5, .hdf5). An existing file is replaced by the whole new one or left as it "
     "is.\nIn SI units what is written is read back to the bit.";
 
@@ -126,7 +126,7 @@ void bind_recording(py::module_& module) {
       .def("save", saver<Recording>([](const Path& path, const Recording& value, const ColumnUnits& units) {
              save_recording(path, value, units);
            }),
-           kSave, py::arg("path"), py::kw_only(), py::arg("length_unit") = "m", py::arg("force_unit") = "N",
+           save_help, py::arg("path"), py::kw_only(), py::arg("length_unit") = "m", py::arg("force_unit") = "N",
            py::arg("time_unit") = "s", py::arg("torque_unit") = "Nm");
   module.def("load_recording",
              loader<Recording>([](const Path& path, const ClockPolicy& p) { return load_recording(path, p); }),
@@ -159,7 +159,7 @@ void bind_trajectory(py::module_& module) {
       .def("save", saver<InTrajectory>([](const Path& path, const InTrajectory& value, const ColumnUnits& units) {
              save_trajectory(path, value, units);
            }),
-           kSave, py::arg("path"), py::kw_only(), py::arg("length_unit") = "m", py::arg("force_unit") = "N",
+           save_help, py::arg("path"), py::kw_only(), py::arg("length_unit") = "m", py::arg("force_unit") = "N",
            py::arg("time_unit") = "s", py::arg("torque_unit") = "Nm");
   module.def("load_trajectory",
              loader<InTrajectory>([](const Path& path, const ClockPolicy& p) { return load_trajectory(path, p); }),
@@ -195,7 +195,7 @@ void bind_rendered(py::module_& module) {
            saver<RenderedTrajectory>([](const Path& path, const RenderedTrajectory& value, const ColumnUnits& units) {
              save_rendered(path, value, units);
            }),
-           kSave, py::arg("path"), py::kw_only(), py::arg("length_unit") = "m", py::arg("force_unit") = "N",
+           save_help, py::arg("path"), py::kw_only(), py::arg("length_unit") = "m", py::arg("force_unit") = "N",
            py::arg("time_unit") = "s", py::arg("torque_unit") = "Nm");
   module.def("load_rendered",
              loader<RenderedTrajectory>([](const Path& path, const ClockPolicy& p) { return load_rendered(path, p); }),

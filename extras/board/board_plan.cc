@@ -22,12 +22,23 @@ using runs::CaseValue;
 namespace {
 
 // Columns of a row, in the order of the table.
-enum Column : std::size_t { kTask, kRenderer, kState, kWhy, kInput, kFitted, kErrors, kReport, kMeasured, kFirstScore };
-constexpr std::size_t kScores = 5;  // error, felt, position, mean and largest operations
-constexpr std::size_t kFloor = kFirstScore + kScores;
-constexpr std::size_t kRepeat = kFloor + 3;  // RMS, and in words
-constexpr std::size_t kTimes = kRepeat + 2;
-constexpr const char* kFloorState = "floor";
+enum Column : std::size_t {
+  task_column,
+  renderer_column,
+  state_column,
+  why_column,
+  input_column,
+  fitted_column,
+  errors_column,
+  report_column,
+  measured_column,
+  first_score_column
+};
+constexpr std::size_t score_count = 5;  // error, felt, position, mean and largest operations
+constexpr std::size_t floor_column = first_score_column + score_count;
+constexpr std::size_t repeat_column = floor_column + 3;  // RMS, and in words
+constexpr std::size_t times_column = repeat_column + 2;
+constexpr const char* floor_state = "floor";
 
 recording::InTrajectoryMode mode_of(const BoardRequest& request, const recording::Dataset& dataset) {
   if (request.in_trajectory_chosen) return request.base.in_trajectory;
@@ -127,33 +138,33 @@ std::string fit_cell(const Catalogue& catalogue, const BoardRequest& request, pi
 CaseValue number_of(double value) { return std::isfinite(value) ? CaseValue(value) : CaseValue(); }
 
 void run_floor(const Catalogue& catalogue, const std::string& law, const BoardTask& task, CaseRow& row) {
-  row.values[kState] = std::string(kFloorState);
+  row.values[state_column] = std::string(floor_state);
   const pipeline::Floor floor = floor_of_plan(catalogue, law, task.request, {task.instrument, task.friction});
-  row.values[kWhy] = floor.how;
-  row.values[kFloor] = floor.rms_N;
-  row.values[kFloor + 1] = floor.low95_N;
-  row.values[kFloor + 2] = floor.high95_N;
+  row.values[why_column] = floor.how;
+  row.values[floor_column] = floor.rms_N;
+  row.values[floor_column + 1] = floor.low95_N;
+  row.values[floor_column + 2] = floor.high95_N;
   if (task.request.repeat.empty()) return;
   try {
     const recording_checks::RepeatFloor repeat =
         recording_checks::repeat_floor_of_files(task.request.recording, task.request.repeat);
-    row.values[kRepeat] = repeat.force_N;
-    row.values[kRepeat + 1] = repeat.text();
+    row.values[repeat_column] = repeat.force_N;
+    row.values[repeat_column + 1] = repeat.text();
   } catch (const BadData& error) {  // the instrument's floor holds without it
-    row.values[kWhy] = fmt::format("{}; no repeat: {}", floor.how, error.what());
+    row.values[why_column] = fmt::format("{}; no repeat: {}", floor.how, error.what());
   }
 }
 
 void run_cell(const Catalogue& catalogue, const BoardPlan& plan, const BoardCell& cell, CaseRow& row) {
-  row.values.assign(kTimes + 2, {});
+  row.values.assign(times_column + 2, {});
   const BoardTask& task = plan.tasks[cell.task];
-  row.values[kTask] = task.name;
+  row.values[task_column] = task.name;
   if (!cell.evaluation) {
     run_floor(catalogue, plan.request.floor_law, task, row);
     return;
   }
   pipeline::PlannedEvaluation planned = *cell.evaluation;
-  row.values[kRenderer] = planned.column;
+  row.values[renderer_column] = planned.column;
   pipeline::Evaluated done;
   std::string fitted;
   try {
@@ -169,48 +180,49 @@ void run_cell(const Catalogue& catalogue, const BoardPlan& plan, const BoardCell
   }
   done.column = planned.column;
   const pipeline::Entry entry = pipeline::entry_of(done, plan.request.out);
-  row.values[kState] = std::string(state_name(entry.state));
-  row.values[kWhy] = entry.why;
+  row.values[state_column] = std::string(state_name(entry.state));
+  row.values[why_column] = entry.why;
   if (entry.state != pipeline::EntryState::ran) return;
-  row.values[kInput] = input_to_json(entry.input).dump();
-  row.values[kFitted] = fitted;
-  row.values[kErrors] = pipeline::errors_to_text(entry.errors);
-  row.values[kReport] = plan.request.reports ? entry.report : std::string();
+  row.values[input_column] = input_to_json(entry.input).dump();
+  row.values[fitted_column] = fitted;
+  row.values[errors_column] = pipeline::errors_to_text(entry.errors);
+  row.values[report_column] = plan.request.reports ? entry.report : std::string();
   const auto error = std::ranges::find(done.metrics, "rms_force_error", &metrics::MetricResult::name);
-  if (error != done.metrics.end() && error->reference) row.values[kMeasured] = number_of(*error->reference);
+  if (error != done.metrics.end() && error->reference) row.values[measured_column] = number_of(*error->reference);
   const pipeline::Scores& s = entry.scores;
-  std::size_t at = kFirstScore;
+  std::size_t at = first_score_column;
   for (const double value :
        {s.rms_force_error_N, s.rms_force_error_jnd, s.rms_position_error_m, s.mean_operations, s.max_operations})
     row.values[at++] = number_of(value);
-  row.values[kTimes] = number_of(s.median_us);
-  row.values[kTimes + 1] = number_of(s.p99_us);
+  row.values[times_column] = number_of(s.median_us);
+  row.values[times_column + 1] = number_of(s.p99_us);
 }
 
 pipeline::Entry entry_of_row(const CaseRow& row) {
   pipeline::Entry entry;
-  entry.renderer = runs::as_text(row.values[kRenderer]);
+  entry.renderer = runs::as_text(row.values[renderer_column]);
   const std::string source = fmt::format("row {}", row.number);
   if (!row.error.empty()) {
     entry.state = pipeline::EntryState::failed;
     entry.why = row.error;
     return entry;
   }
-  const std::string state = runs::as_text(row.values[kState]);
+  const std::string state = runs::as_text(row.values[state_column]);
   if (state != state_name(pipeline::EntryState::ran)) {
     entry.state = state == state_name(pipeline::EntryState::failed) ? pipeline::EntryState::failed
                                                                     : pipeline::EntryState::does_not_enter;
-    entry.why = runs::as_text(row.values[kWhy]);
+    entry.why = runs::as_text(row.values[why_column]);
     return entry;
   }
-  const nlohmann::json input = parse_json(runs::as_text(row.values[kInput]), source);
+  const nlohmann::json input = parse_json(runs::as_text(row.values[input_column]), source);
   entry.input = report::input_from_json(JsonObject(input, source, ""));
-  entry.fitted = runs::as_text(row.values[kFitted]);
-  entry.errors = pipeline::errors_from_text(runs::as_text(row.values[kErrors]), source);
-  entry.report = runs::as_text(row.values[kReport]);
+  entry.fitted = runs::as_text(row.values[fitted_column]);
+  entry.errors = pipeline::errors_from_text(runs::as_text(row.values[errors_column]), source);
+  entry.report = runs::as_text(row.values[report_column]);
   const auto number = [&](std::size_t column) { return runs::as_number(row.values[column]); };
-  entry.scores = {number(kFirstScore),     number(kFirstScore + 1), number(kFirstScore + 2), number(kFirstScore + 3),
-                  number(kFirstScore + 4), number(kTimes),          number(kTimes + 1)};
+  entry.scores = {number(first_score_column),     number(first_score_column + 1), number(first_score_column + 2),
+                  number(first_score_column + 3), number(first_score_column + 4), number(times_column),
+                  number(times_column + 1)};
   return entry;
 }
 
@@ -264,11 +276,12 @@ pipeline::Board board_of_rows(const BoardPlan& plan, const runs::CaseStore& stor
     pipeline::Task& task = board.tasks[cell.task];
     if (!cell.evaluation) {
       if (row.error.empty()) {
-        task.floor = pipeline::Floor{runs::as_number(row.values[kFloor]), runs::as_number(row.values[kFloor + 1]),
-                                     runs::as_number(row.values[kFloor + 2]), runs::as_text(row.values[kWhy])};
-        if (!std::holds_alternative<std::monostate>(row.values[kRepeat]))
-          task.repeat =
-              pipeline::RepeatOfTask{runs::as_number(row.values[kRepeat]), runs::as_text(row.values[kRepeat + 1])};
+        task.floor =
+            pipeline::Floor{runs::as_number(row.values[floor_column]), runs::as_number(row.values[floor_column + 1]),
+                            runs::as_number(row.values[floor_column + 2]), runs::as_text(row.values[why_column])};
+        if (!std::holds_alternative<std::monostate>(row.values[repeat_column]))
+          task.repeat = pipeline::RepeatOfTask{runs::as_number(row.values[repeat_column]),
+                                               runs::as_text(row.values[repeat_column + 1])};
       }
       continue;
     }
@@ -276,7 +289,7 @@ pipeline::Board board_of_rows(const BoardPlan& plan, const runs::CaseStore& stor
     const pipeline::Entry& entry = task.entries.back();
     if (entry.state != pipeline::EntryState::ran) continue;
     task.input = input_text(entry.input);
-    const double measured = runs::as_number(row.values[kMeasured]);
+    const double measured = runs::as_number(row.values[measured_column]);
     if (std::isfinite(measured)) task.measured_rms_N = measured;
   }
   return board;

@@ -39,7 +39,7 @@ std::filesystem::path signature_of(const std::filesystem::path& file) { return f
 
 void sign_submission(const std::filesystem::path& file, const std::filesystem::path& key) {
   need(key, "key");
-  const ProgramEnd answer = ssh_keygen({"-Y", "sign", "-q", "-f", key.string(), "-n", kSignatureNamespace}, file);
+  const ProgramEnd answer = ssh_keygen({"-Y", "sign", "-q", "-f", key.string(), "-n", signature_namespace}, file);
   if (answer.status != 0 || answer.out.find("BEGIN SSH SIGNATURE") == std::string::npos) {
     throw BadData(
         fmt::format("{} cannot be signed with {}: {}. Is it a private key of ssh-keygen, and without a "
@@ -53,7 +53,7 @@ CheckedSignature check_signature(const std::filesystem::path& file, const std::f
                                  const std::filesystem::path& allowed_signers) {
   need(signature, "signature");
   const ProgramEnd any =
-      ssh_keygen({"-Y", "check-novalidate", "-n", kSignatureNamespace, "-s", signature.string()}, file);
+      ssh_keygen({"-Y", "check-novalidate", "-n", signature_namespace, "-s", signature.string()}, file);
   if (any.status != 0) {
     throw BadData(
         fmt::format("{}: is no signature of {}: {}", signature.string(), file.string(), one_line(any.err + any.out)));
@@ -70,7 +70,7 @@ CheckedSignature check_signature(const std::filesystem::path& file, const std::f
   const std::string signer = who.out.substr(0, who.out.find('\n'));
   const bool listed = who.status == 0 && !signer.empty();
   const ProgramEnd good = listed ? ssh_keygen({"-Y", "verify", "-f", allowed_signers.string(), "-I", signer, "-n",
-                                               kSignatureNamespace, "-s", signature.string()},
+                                               signature_namespace, "-s", signature.string()},
                                               file)
                                  : who;
   if (!listed || good.status != 0) {

@@ -9,7 +9,7 @@
 namespace touchstone::board {
 
 // What the signature is for: one that was made for a commit or a mail is not good for a submission.
-inline constexpr const char* kSignatureNamespace = "touchstone-submission";
+inline constexpr const char* signature_namespace = "touchstone-submission";
 
 // `file` with ".sig" behind its name.
 std::filesystem::path signature_of(const std::filesystem::path& file);

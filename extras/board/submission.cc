@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSubmissionSchema = "touchstone-submission/1";
+constexpr const char* submission_schema = "touchstone-submission/1";
 
 json score_or_null(double value) { return std::isfinite(value) ? json(value) : json(); }
 
@@ -110,7 +110,7 @@ std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& boa
   json models = json::array();
   for (const auto& [model, file] : request.models)
     models.push_back({{"name", file.stem().string()}, {"model", text_of(model, file)}});
-  json document{{"schema", kSubmissionSchema},
+  json document{{"schema", submission_schema},
                 {"in_trajectory", request.in_trajectory_chosen ? in_trajectory_name(request.base.in_trajectory) : ""},
                 {"tip", request.tip == BoardTip::point ? "point" : "dataset"},
                 {"fit", request.fit},
@@ -129,7 +129,7 @@ std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& boa
 Submission load_submission(const std::filesystem::path& file, const plugin::Plugins& plugins) {
   const json document = load_json(file);
   JsonObject in(document, file.string(), "");
-  in.schema(kSubmissionSchema);
+  in.schema(submission_schema);
   if (in.text("sha256") != hash_of_contents(document)) {
     in.fail_at("sha256", "is not the hash of what the file holds: it was changed after it was made");
   }

@@ -15,12 +15,13 @@
 namespace touchstone::importing {
 namespace {
 
-constexpr std::size_t kHead = 128;
-constexpr std::size_t kTag = 8;
+constexpr std::size_t head_bytes = 128;
+constexpr std::size_t tag = 8;
 // Types of data elements and classes of arrays: MAT-File Format, tables 1-1 and 1-3.
-constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
-constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kSparse = 5, kFunction = 16, kOpaque = 17;
-constexpr int kDeepest = 32;
+constexpr std::uint32_t int8_type = 1, int32_type = 5, uint32_type = 6, matrix_type = 14, compressed_type = 15;
+constexpr std::uint32_t cell_class = 1, struct_class = 2, object_class = 3, sparse_class = 5, function_class = 16,
+                        opaque_class = 17;
+constexpr int deepest = 32;
 
 std::uint32_t number(std::string_view bytes, std::size_t at, bool little) {
   std::uint32_t value = 0;
@@ -38,21 +39,22 @@ class VariableCheck {
   // The bytes of a matrix element after its tag. What is wrong with it, or nothing.
   [[nodiscard]] std::optional<std::string> matrix(std::string_view body, int depth = 0) const {
     if (body.empty()) return std::nullopt;  // an empty cell or field
-    if (depth > kDeepest) return fmt::format("cells or structures nested more than {} deep", kDeepest);
+    if (depth > deepest) return fmt::format("cells or structures nested more than {} deep", deepest);
     const auto flags = take(body);
-    if (!flags || flags->type != kUint32 || flags->data.size() != 8) return "no array flags";
+    if (!flags || flags->type != uint32_type || flags->data.size() != 8) return "no array flags";
     const std::uint32_t kind = number(flags->data, 0, little_) & 0xffU;
-    if (kind == 0 || kind > kOpaque) return fmt::format("the class {}", kind);
-    if (kind == kOpaque) return opaque(body);
+    if (kind == 0 || kind > opaque_class) return fmt::format("the class {}", kind);
+    if (kind == opaque_class) return opaque(body);
     const auto dimensions = take(body);
-    if (!dimensions || dimensions->type != kInt32 || dimensions->data.size() % 4 != 0 || dimensions->data.size() < 8) {
+    if (!dimensions || dimensions->type != int32_type || dimensions->data.size() % 4 != 0 ||
+        dimensions->data.size() < 8) {
       return "no dimensions";
     }
     const std::uint64_t count = product(dimensions->data);
     if (!take(body)) return "a name that does not end within it";
-    if (kind == kStruct || kind == kObject) return structure(body, kind, count, depth);
-    if (kind == kCell || kind == kFunction) return children(body, count, depth);
-    if (kind == kSparse) return "a sparse array, which is not read here; save plain arrays, full(x); else";
+    if (kind == struct_class || kind == object_class) return structure(body, kind, count, depth);
+    if (kind == cell_class || kind == function_class) return children(body, count, depth);
+    if (kind == sparse_class) return "a sparse array, which is not read here; save plain arrays, full(x); else";
     // A number takes a byte at least, however it is packed.
     if (count > body.size()) return fmt::format("{} numbers in {} bytes", count, body.size());
     const bool imaginary = (number(flags->data, 0, little_) & 0x800U) != 0;
@@ -69,19 +71,19 @@ class VariableCheck {
 
   // Takes one data element, with its padding to eight bytes, from the front.
   std::optional<Element> take(std::string_view& body) const {
-    if (body.size() < kTag) return std::nullopt;
+    if (body.size() < tag) return std::nullopt;
     const std::uint32_t word = number(body, 0, little_);
     const std::uint32_t small_size = word >> 16U;
     if (small_size != 0) {  // the small format: type and size in one word, the data in the other
       if (small_size > 4) return std::nullopt;
       const Element element{word & 0xffffU, body.substr(4, small_size)};
-      body.remove_prefix(kTag);
+      body.remove_prefix(tag);
       return element;
     }
     const std::size_t size = number(body, 4, little_);
-    if (size > body.size() - kTag) return std::nullopt;
-    const Element element{word, body.substr(kTag, size)};
-    body.remove_prefix(std::min(body.size(), kTag + (size + 7) / 8 * 8));
+    if (size > body.size() - tag) return std::nullopt;
+    const Element element{word, body.substr(tag, size)};
+    body.remove_prefix(std::min(body.size(), tag + (size + 7) / 8 * 8));
     return element;
   }
 
@@ -105,10 +107,10 @@ class VariableCheck {
   // name all the same: whatever its first element is called, the eight bytes behind that tag are the tag of a name to
   // it (Mat_VarReadNextInfo5 of mat5.c, matio 1.5.23), and it makes room for as many letters as they say.
   [[nodiscard]] std::optional<std::string> opaque(std::string_view body) const {
-    const bool dimensions = body.size() >= kTag && number(body, 0, little_) == kInt32;
-    const std::size_t behind_tag = dimensions ? kTag + (std::size_t{number(body, 4, little_)} + 7) / 8 * 8 : kTag;
-    if (body.size() >= behind_tag + kTag && number(body, behind_tag, little_) == kInt8 &&
-        number(body, behind_tag + 4, little_) > body.size() - behind_tag - kTag) {
+    const bool dimensions = body.size() >= tag && number(body, 0, little_) == int32_type;
+    const std::size_t behind_tag = dimensions ? tag + (std::size_t{number(body, 4, little_)} + 7) / 8 * 8 : tag;
+    if (body.size() >= behind_tag + tag && number(body, behind_tag, little_) == int8_type &&
+        number(body, behind_tag + 4, little_) > body.size() - behind_tag - tag) {
       return "a name that does not end within it";
     }
     return elements(body);
@@ -116,9 +118,9 @@ class VariableCheck {
 
   std::optional<std::string> structure(std::string_view body, std::uint32_t kind, std::uint64_t count,
                                        int depth) const {
-    if (kind == kObject && !take(body)) return "a class name that does not end within it";
+    if (kind == object_class && !take(body)) return "a class name that does not end within it";
     const auto length = take(body);
-    if (!length || length->type != kInt32 || length->data.size() != 4) return "no length of field names";
+    if (!length || length->type != int32_type || length->data.size() != 4) return "no length of field names";
     const std::uint32_t name_bytes = number(length->data, 0, little_);
     const auto names = take(body);
     if (!names || name_bytes == 0 || names->data.size() % name_bytes != 0) return "no field names";
@@ -128,10 +130,10 @@ class VariableCheck {
   }
 
   std::optional<std::string> children(std::string_view body, std::uint64_t count, int depth) const {
-    if (count > body.size() / kTag) return fmt::format("{} arrays in {} bytes", count, body.size());
+    if (count > body.size() / tag) return fmt::format("{} arrays in {} bytes", count, body.size());
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto child = take(body);
-      if (!child || child->type != kMatrix) return "an array within it that does not end within it";
+      if (!child || child->type != matrix_type) return "an array within it that does not end within it";
       if (auto wrong = matrix(child->data, depth + 1)) return wrong;
     }
     return std::nullopt;
@@ -147,7 +149,7 @@ std::optional<std::string> unpacked(std::string_view packed, bool little) {
   std::string packed_copy(packed);  // zlib wants a pointer that is not const
   stream.next_in = reinterpret_cast<Bytef*>(packed_copy.data());
   stream.avail_in = static_cast<uInt>(packed_copy.size());
-  std::string out(kTag, '\0');
+  std::string out(tag, '\0');
   int status = Z_OK;
   const auto fill = [&](std::size_t from) {
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + from);
@@ -159,8 +161,8 @@ std::optional<std::string> unpacked(std::string_view packed, bool little) {
   const std::size_t size = whole ? number(out, 4, little) : 0;
   whole = whole && size <= most_packed * packed.size();
   if (whole) {
-    out.resize(kTag + size);
-    whole = size == 0 || fill(kTag);
+    out.resize(tag + size);
+    whole = size == 0 || fill(tag);
   }
   if (whole && status == Z_OK) {  // nothing follows but the checksum, which must be right
     Bytef beyond = 0;
@@ -176,42 +178,42 @@ std::optional<std::string> unpacked(std::string_view packed, bool little) {
 // What is wrong with the variable in an element, or nothing.
 std::optional<std::string> wrong_in(std::uint32_t type, std::string_view data, bool little) {
   const VariableCheck check(little);
-  if (type == kMatrix) return check.matrix(data);
+  if (type == matrix_type) return check.matrix(data);
   const auto inside = unpacked(data, little);
   if (!inside) return "packed bytes that cannot be unpacked";
-  if (number(*inside, 0, little) != kMatrix) return "no array";
-  return check.matrix(std::string_view(*inside).substr(kTag));
+  if (number(*inside, 0, little) != matrix_type) return "no array";
+  return check.matrix(std::string_view(*inside).substr(tag));
 }
 
 }  // namespace
 
 std::size_t count_mat5_elements(std::string_view file, const std::string& source) {
-  if (file.size() < kHead) {
+  if (file.size() < head_bytes) {
     throw BadData(fmt::format("{}: ends after {} bytes, within the head of a MATLAB file: was it cut short?", source,
                               file.size()));
   }
   const bool little = file.substr(126, 2) == "IM";
   std::size_t elements = 0;
-  for (std::size_t at = kHead; at < file.size(); ++elements) {
-    const bool whole_tag = file.size() - at >= kTag;
+  for (std::size_t at = head_bytes; at < file.size(); ++elements) {
+    const bool whole_tag = file.size() - at >= tag;
     const std::uint32_t type = whole_tag ? number(file, at, little) : 0;
-    if (whole_tag && type != kMatrix && type != kCompressed) {
+    if (whole_tag && type != matrix_type && type != compressed_type) {
       throw BadData(
           fmt::format("{}: byte {}: a variable of MATLAB was expected (element 14 or 15), not element {}; the "
                       "file is damaged",
                       source, at, type));
     }
-    if (!whole_tag || number(file, at + 4, little) > file.size() - at - kTag) {
+    if (!whole_tag || number(file, at + 4, little) > file.size() - at - tag) {
       throw BadData(
           fmt::format("{}: ends at byte {}, within the variable that begins at byte {}: was the file cut short?",
                       source, file.size(), at));
     }
     const std::uint32_t size = number(file, at + 4, little);
-    if (const auto wrong = wrong_in(type, file.substr(at + kTag, size), little)) {
+    if (const auto wrong = wrong_in(type, file.substr(at + tag, size), little)) {
       throw BadData(
           fmt::format("{}: byte {}: variable {} has {}: the file is damaged", source, at, elements + 1, *wrong));
     }
-    at += kTag + size;
+    at += tag + size;
   }
   return elements;
 }

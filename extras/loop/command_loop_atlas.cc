@@ -276,7 +276,8 @@ void add_atlas(CLI::App& loop, apps::Run& run) {
   command->add_option("--case", options->cases, "Shapes to judge on; all where not given")
       ->check(CLI::IsMember(case_names()));
   command->add_option("--allow", options->allowed, "A finding that is known: it is reported and does not count")
-      ->check(CLI::IsMember(std::vector<std::string>(servo::kAtlasFindings.begin(), servo::kAtlasFindings.end())));
+      ->check(CLI::IsMember(
+          std::vector<std::string>(servo::atlas_finding_names.begin(), servo::atlas_finding_names.end())));
   command->add_option("--out", options->out, "Folder for report.html and result.json");
   command->add_option("--json", options->json, "Write the answers as JSON");
   options->plugins.add_to(*command);

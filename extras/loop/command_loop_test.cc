@@ -37,16 +37,16 @@ class LoopCommand : public testing::BuiltProgram {
   [[nodiscard]] nlohmann::json result(const std::string& out) const { return load_json(folder_ / out / "result.json"); }
 };
 
-constexpr const char* kExact = "--set mass_kg=0.1 --set friction_N=0 --set resolution_m=0";
+constexpr const char* exact = "--set mass_kg=0.1 --set friction_N=0 --set resolution_m=0";
 
 TEST_F(LoopCommand, ASoftWallIsStableAndAStiffOneIsNot) {
-  const Outcome soft = loop("soft.json", std::string("--device touch --grip light --out soft ") + kExact);
+  const Outcome soft = loop("soft.json", std::string("--device touch --grip light --out soft ") + exact);
   ASSERT_EQ(soft.status, 0) << soft.err;
   EXPECT_THAT(soft.out, HasSubstr("Stable"));
   EXPECT_EQ(result("soft").at("verdict"), "stable");
   EXPECT_GT(result("soft").at("stable_margin").get<double>(), 2.0);
   EXPECT_THAT(read_file(folder_ / "soft" / "report.html"), HasSubstr("Will it buzz?"));
-  const Outcome stiff = loop("stiff.json", std::string("--device touch --grip light --out stiff ") + kExact);
+  const Outcome stiff = loop("stiff.json", std::string("--device touch --grip light --out stiff ") + exact);
   ASSERT_EQ(stiff.status, 0) << stiff.err;
   EXPECT_EQ(result("stiff").at("verdict"), "unstable");
   EXPECT_LT(result("stiff").at("stable_margin").get<double>(), 1.0);
@@ -56,7 +56,7 @@ TEST_F(LoopCommand, ASoftWallIsStableAndAStiffOneIsNot) {
 TEST_F(LoopCommand, AToolWithAShapeIsHeldByItsHandle) {
   ASSERT_EQ(run("synth --surface sphere --triangles 80 --out ball.obj").status, 0);  // of 30 mm
   write_file(folder_ / "over.csv", "t_s,x_m,y_m,z_m\n0,0.01,0,0.06\n0.2,0.01,0,0.052\n0.8,0.011,0,0.052\n");
-  const std::string words = std::string("loop --tool ball.obj --mesh ball.obj --path over.csv ") + kExact;
+  const std::string words = std::string("loop --tool ball.obj --mesh ball.obj --path over.csv ") + exact;
   const Outcome held = run(words + " --renderer god-object-tool --stiffness 300 --out tool");
   ASSERT_EQ(held.status, 0) << held.err;
   EXPECT_THAT(held.out, HasSubstr("not fed to the hand: the torque about the handle"));
@@ -70,9 +70,9 @@ TEST_F(LoopCommand, AToolWithAShapeIsHeldByItsHandle) {
 }
 
 TEST_F(LoopCommand, WhatIsRenderedIsAFileLikeThatOfAReplay) {
-  ASSERT_EQ(loop("soft.json", std::string("--out r --rendered one.csv ") + kExact).status, 0);
+  ASSERT_EQ(loop("soft.json", std::string("--out r --rendered one.csv ") + exact).status, 0);
   EXPECT_EQ(run("compare one.csv one.csv").status, 0);
-  ASSERT_EQ(loop("soft.json", std::string("--out r --rendered two.csv --set damping_N_s_per_m=1 ") + kExact).status, 0);
+  ASSERT_EQ(loop("soft.json", std::string("--out r --rendered two.csv --set damping_N_s_per_m=1 ") + exact).status, 0);
   EXPECT_EQ(run("compare one.csv two.csv").status, 1);
 }
 
@@ -154,7 +154,7 @@ TEST_F(LoopCommand, ARecordingOfTheDeviceIsHeldBesideTheSimulation) {
   }
   write_file(folder_ / "same.csv", same);
   write_file(folder_ / "other.csv", other);
-  const std::string air = std::string("--out r ") + kExact + " --recording ";
+  const std::string air = std::string("--out r ") + exact + " --recording ";
   const Outcome agrees = loop("soft.json", air + "same.csv");
   EXPECT_EQ(agrees.status, 0) << agrees.out << agrees.err;
   const auto found = result("r").at("recording");

@@ -55,7 +55,7 @@ ExitStatus tune_command(const TuneOptions& options) {
   if (!options.json.empty()) write_file(options.json, to_json(all, options.margin));
   std::vector<std::vector<std::string>> rows{{"device", "stiffest wall [N/m]", "with virtual damping [N s/m]",
                                               "without [N/m]", "published [N/m]", "mass [kg]"}};
-  double everywhere = servo::kStiffestWall_N_per_m;
+  double everywhere = servo::stiffest_wall_N_per_m;
   for (const Tuned& own : all) {
     const auto published = own.setup.device.value("stable_stiffness_N_per_m");
     const auto& masses = own.setup.device_masses_kg;

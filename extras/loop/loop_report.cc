@@ -25,8 +25,8 @@ using servo::Verdict;
 
 namespace {
 
-constexpr std::size_t kPlottedPairs = 1500;
-constexpr double kCloseUp_s = 0.1;  // to both sides
+constexpr std::size_t plotted_pairs = 1500;
+constexpr double close_up_s = 0.1;  // to both sides
 
 nlohmann::json vibration_json(const servo::Vibration& own) {
   return {{"frequency_Hz", report::exact_number(own.frequency_Hz)},
@@ -47,7 +47,7 @@ using Value = std::function<double(std::size_t)>;
 // The whole series by the least and the largest of each of some hundred parts, so that no peak is lost.
 Line thinned(std::string name, const std::vector<double>& t_s, const Value& value, Tone tone, bool dashed = false) {
   Line line{std::move(name), {}, {}, tone, dashed, false};
-  const std::size_t part = std::max<std::size_t>(1, t_s.size() / kPlottedPairs);
+  const std::size_t part = std::max<std::size_t>(1, t_s.size() / plotted_pairs);
   for (std::size_t begin = 0; begin < t_s.size(); begin += part) {
     std::size_t least = begin, largest = begin;
     for (std::size_t i = begin; i < std::min(begin + part, t_s.size()); ++i) {
@@ -94,7 +94,7 @@ Section pictures(const LoopEvaluation& evaluation) {
   force.note = "Open loop, the tip is where the hand means to be; in the hand, the wall pushes it back.";
   section.blocks.emplace_back(std::move(force));
 
-  const double from_s = at_s - kCloseUp_s, to_s = at_s + kCloseUp_s;
+  const double from_s = at_s - close_up_s, to_s = at_s + close_up_s;
   LinePlot close{"What the hand feels, where it is worst", "time [s]", "force on the hand [N]", {}, {}, {}, "", ""};
   close.lines = {between("this device", run.t_s, size_of(run.felt_W_N), from_s, to_s, Tone::rendered),
                  between("an ideal servo", ideal.t_s, size_of(ideal.felt_W_N), from_s, to_s, Tone::reference, true)};

@@ -19,13 +19,13 @@ using recording::RawTable;
 
 namespace {
 
-constexpr double kRate_Hz = 1000.0;  // as the toolkit's models have
-constexpr std::size_t kWindow = 256;
-constexpr double kStandardGravity_m_per_s2 = 9.80665;
-constexpr double kBand = 0.9;  // of half the rate
-constexpr double kHalfWidth_s = 0.016;
-constexpr double kHole_s = 0.002;    // longer between two accelerations: nothing is known there
-constexpr double kSpeedShare = 0.2;  // what the tip's speed may differ from the name's by
+constexpr double set_rate_Hz = 1000.0;  // as the toolkit's models have
+constexpr std::size_t window_samples = 256;
+constexpr double standard_gravity_m_per_s2 = 9.80665;
+constexpr double band = 0.9;  // of half the rate
+constexpr double half_width_s = 0.016;
+constexpr double hole_s = 0.002;     // longer between two accelerations: nothing is known there
+constexpr double speed_share = 0.2;  // what the tip's speed may differ from the name's by
 
 struct ClusterName {
   int texture = 0, direction_deg = 0, speed_mm_per_s = 0, force_mN = 0, repeat = 0;
@@ -78,22 +78,22 @@ class ClusterFiles {
   }
 
   void add_windows(double speed_mm_per_s, double mass_kg, SlideWindows& result) const {
-    const double window_s = static_cast<double>(kWindow) / kRate_Hz;
-    const double begin_s = std::max({place_mm_[0].t_s.front(), force_.t_s.front(), first_s() + kHalfWidth_s});
-    for (double t = begin_s; t + window_s + kHalfWidth_s <= last_s(); t += window_s) {
+    const double window_s = static_cast<double>(window_samples) / set_rate_Hz;
+    const double begin_s = std::max({place_mm_[0].t_s.front(), force_.t_s.front(), first_s() + half_width_s});
+    for (double t = begin_s; t + window_s + half_width_s <= last_s(); t += window_s) {
       if (!place_mm_[0].holds(t, t + window_s) || !force_.holds(t, t + window_s)) continue;
       if (!even(t, window_s, speed_mm_per_s)) continue;
       result.sliding_s += window_s;
-      if (hole(t - kHalfWidth_s, t + window_s + kHalfWidth_s)) continue;
+      if (hole(t - half_width_s, t + window_s + half_width_s)) continue;
       const double load_N = mean_force_N(t, t + window_s);
       if (!(load_N > 0.0)) continue;
       SlideWindow window{t, travelled_mm(t, t + window_s) / window_s / 1000.0, load_N, 0.0, {}};
       for (std::size_t axis = 0; axis < 3; ++axis) {
         std::vector<double> force_N;
-        for (std::size_t i = 0; i < kWindow; ++i)
-          force_N.push_back(mass_kg * kStandardGravity_m_per_s2 *
-                            resampled(accelerations_g_[axis], t + static_cast<double>(i) / kRate_Hz));
-        window.fast_N[axis] = without_parabola(force_N, 0, kWindow);
+        for (std::size_t i = 0; i < window_samples; ++i)
+          force_N.push_back(mass_kg * standard_gravity_m_per_s2 *
+                            resampled(accelerations_g_[axis], t + static_cast<double>(i) / set_rate_Hz));
+        window.fast_N[axis] = without_parabola(force_N, 0, window_samples);
       }
       result.windows.push_back(std::move(window));
     }
@@ -110,7 +110,7 @@ class ClusterFiles {
     const double half_s = 0.5 * length_s;
     for (const double begin_s : {from_s, from_s + half_s}) {
       const double speed = travelled_mm(begin_s, begin_s + half_s) / half_s;
-      if (!(std::abs(speed / speed_mm_per_s - 1.0) <= kSpeedShare)) return false;
+      if (!(std::abs(speed / speed_mm_per_s - 1.0) <= speed_share)) return false;
     }
     return true;
   }
@@ -118,23 +118,23 @@ class ClusterFiles {
     const std::vector<double>& t = accelerations_g_[0].t_s;
     const auto first = std::lower_bound(t.begin(), t.end(), from_s);
     for (auto at = first; at != t.end() && *at < to_s; ++at)
-      if (at != t.begin() && *at - *(at - 1) > kHole_s) return true;
+      if (at != t.begin() && *at - *(at - 1) > hole_s) return true;
     return false;
   }
   [[nodiscard]] double mean_force_N(double from_s, double to_s) const {
     double sum = 0.0;
-    for (std::size_t i = 0; i < kWindow; ++i)
-      sum += force_.at(from_s + (to_s - from_s) * (static_cast<double>(i) + 0.5) / static_cast<double>(kWindow));
-    return sum / static_cast<double>(kWindow);
+    for (std::size_t i = 0; i < window_samples; ++i)
+      sum += force_.at(from_s + (to_s - from_s) * (static_cast<double>(i) + 0.5) / static_cast<double>(window_samples));
+    return sum / static_cast<double>(window_samples);
   }
   // The integral of the samples over the kernel, by the time that each stands for.
   [[nodiscard]] static double resampled(const Series& series, double t) {
-    const auto first = std::lower_bound(series.t_s.begin() + 1, series.t_s.end() - 1, t - kHalfWidth_s);
+    const auto first = std::lower_bound(series.t_s.begin() + 1, series.t_s.end() - 1, t - half_width_s);
     double sum = 0.0, weights = 0.0;
-    for (auto at = first; at != series.t_s.end() - 1 && *at < t + kHalfWidth_s; ++at) {
+    for (auto at = first; at != series.t_s.end() - 1 && *at < t + half_width_s; ++at) {
       const double away = *at - t;
       const double weight =
-          0.5 * (*(at + 1) - *(at - 1)) * sinc(kBand * kRate_Hz * away) * blackman(away / kHalfWidth_s);
+          0.5 * (*(at + 1) - *(at - 1)) * sinc(band * set_rate_Hz * away) * blackman(away / half_width_s);
       sum += weight * series.x[static_cast<std::size_t>(at - series.t_s.begin())];
       weights += weight;
     }
@@ -171,8 +171,8 @@ SlideWindows cluster_windows(const std::filesystem::path& sensor_data, int textu
   std::ranges::sort(files);
   SlideWindows result;
   result.source = sensor_data.string();
-  result.rate_Hz = kRate_Hz;
-  result.window_s = static_cast<double>(kWindow) / kRate_Hz;
+  result.rate_Hz = set_rate_Hz;
+  result.window_s = static_cast<double>(window_samples) / set_rate_Hz;
   for (const std::filesystem::path& file : files) {
     ClusterFiles(sensor_data, file)
         .add_windows(parsed(file.stem().string())->speed_mm_per_s, effective_mass_kg, result);

@@ -25,7 +25,7 @@ namespace {
 
 struct SampleOptions {
   std::vector<double> normal{0.0, 0.0, 1.0};
-  double effective_mass_kg = kEffectiveMass_kg;
+  double effective_mass_kg = default_effective_mass_kg;
   bool flip_force = false;
 
   void add_to(CLI::App& command) {

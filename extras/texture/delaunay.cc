@@ -7,11 +7,11 @@
 namespace touchstone::texture {
 
 std::vector<std::array<std::size_t, 3>> delaunay(const std::vector<std::array<double, 2>>& points) {
-  constexpr double kGrid = 16777216.0;  // 2^24
+  constexpr double grid = 16777216.0;  // 2^24
   std::vector<boost::polygon::point_data<std::int32_t>> whole;
   for (const auto& [x, y] : points)
-    whole.emplace_back(static_cast<std::int32_t>(std::lround(x * kGrid)),
-                       static_cast<std::int32_t>(std::lround(y * kGrid)));
+    whole.emplace_back(static_cast<std::int32_t>(std::lround(x * grid)),
+                       static_cast<std::int32_t>(std::lround(y * grid)));
   boost::polygon::voronoi_diagram<double> diagram;
   boost::polygon::construct_voronoi(whole.begin(), whole.end(), &diagram);
   std::vector<std::array<std::size_t, 3>> triangles;

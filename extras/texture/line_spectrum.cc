@@ -62,8 +62,8 @@ bool stable(std::span<const double> polynomial) {
 
 void polynomial_of(std::span<const double> angles_rad, std::span<double> out) noexcept {
   const std::size_t p = angles_rad.size();
-  std::array<double, kMostCoefficients + 4> sum{1.0};
-  std::array<double, kMostCoefficients + 4> difference{1.0};
+  std::array<double, most_coefficients + 4> sum{1.0};
+  std::array<double, most_coefficients + 4> difference{1.0};
   std::size_t sum_length = 1;
   std::size_t difference_length = 1;
   for (std::size_t i = 0; i < p; ++i) {

@@ -44,7 +44,7 @@ TEST(LineSpectrum, ThePublishedExample) {
 
 TEST(LineSpectrum, TheInverseIsExactAtEveryOrder) {
   std::mt19937_64 engine(17);
-  for (std::size_t order = 1; order <= kMostCoefficients; ++order) {
+  for (std::size_t order = 1; order <= most_coefficients; ++order) {
     for (int i = 0; i < 20; ++i) {
       const std::vector<double> a = stable_polynomial(order, 0.9, engine);
       std::vector<double> back(a.size());

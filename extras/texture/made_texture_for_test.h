@@ -14,7 +14,7 @@
 
 namespace touchstone::texture {
 
-inline constexpr double kMadeMass_kg = 0.05;
+inline constexpr double made_mass_kg = 0.05;
 
 // One resonance: poles at `radius` and +-`frequency_Hz`.
 inline std::vector<double> resonance(double frequency_Hz, double radius, double rate_Hz) {
@@ -74,7 +74,7 @@ inline recording::Recording made_slide(const std::vector<Hold>& holds,
       for (std::size_t k = 1; k < a.size(); ++k) past[0] -= a[k] * past[k];
       const Vec3 outward(std::cos(angle), std::sin(angle), 0.0), along(-std::sin(angle), std::cos(angle), 0.0);
       const Vec3 force =
-          holds[h].load_N * Vec3::UnitZ() - mu * holds[h].load_N * along + kMadeMass_kg * past[0] * outward;
+          holds[h].load_N * Vec3::UnitZ() - mu * holds[h].load_N * along + made_mass_kg * past[0] * outward;
       made.motion.t_s.push_back(t_s);
       made.motion.p_W_m.push_back(turn * (radius_m * outward));
       made.f_W_N.push_back(turn * force);

@@ -14,24 +14,24 @@ using recording::Recording;
 
 namespace {
 
-constexpr double kWindow_s = 0.256;  // as in perceive's vibration
-constexpr double kSmoothing_s = 0.1;
-constexpr double kSlides_m_per_s = 0.005;  // slower is a hand at rest, as in perceive
-constexpr double kTouches_N = 0.02;
-constexpr double kEven = 0.2;      // largest standard deviation of speed and load in a window, over their means
-constexpr double kOneRate = 0.05;  // largest difference of an interval from the median, over that
-constexpr double kLeastRate_Hz = 100.0;
+constexpr double slide_window_s = 0.256;  // as in perceive's vibration
+constexpr double smoothing_s = 0.1;
+constexpr double slides_m_per_s = 0.005;  // slower is a hand at rest, as in perceive
+constexpr double touches_N = 0.02;
+constexpr double even = 0.2;       // largest standard deviation of speed and load in a window, over their means
+constexpr double one_rate = 0.05;  // largest difference of an interval from the median, over that
+constexpr double least_rate_Hz = 100.0;
 
 // Throws BadData for what nobody measured, whose powers would be no numbers.
 void check_forces(const Recording& recording) {
-  constexpr double kMostForce_N = 1e9;
+  constexpr double most_force_N = 1e9;
   for (std::size_t i = 0; i < recording.size(); ++i) {
     const double force_N = recording.f_W_N[i].cwiseAbs().maxCoeff();
-    if (force_N <= kMostForce_N) continue;
+    if (force_N <= most_force_N) continue;
     throw BadData(
         fmt::format("{}: sample {} (t = {:.6g} s) has a force of {:.3g} N; at most {:g} N were expected: "
                     "remove or repair the sample, or name the unit in the header",
-                    recording.source, i + 1, recording.motion.t_s[i], force_N, kMostForce_N));
+                    recording.source, i + 1, recording.motion.t_s[i], force_N, most_force_N));
   }
 }
 
@@ -43,7 +43,7 @@ double interval_s(const Recording& recording) {
   for (std::size_t i = 1; i < t.size(); ++i) intervals.push_back(t[i] - t[i - 1]);
   const double median = stats::median(intervals);
   for (std::size_t i = 1; i < t.size(); ++i) {
-    if (std::abs(t[i] - t[i - 1] - median) <= kOneRate * median) continue;
+    if (std::abs(t[i] - t[i - 1] - median) <= one_rate * median) continue;
     throw BadData(
         fmt::format("{}: sample {} (t = {:.6g} s) comes {:.4g} ms after the one before, the others {:.4g} ms: a "
                     "spectrum needs one rate; give a part of the recording without holes",
@@ -54,7 +54,7 @@ double interval_s(const Recording& recording) {
 
 // Hann-weighted means; at the ends of what there is.
 std::vector<Vec3> smooth(const std::vector<Vec3>& x, double rate_Hz) {
-  const auto reach = static_cast<std::ptrdiff_t>(std::round(0.5 * kSmoothing_s * rate_Hz));
+  const auto reach = static_cast<std::ptrdiff_t>(std::round(0.5 * smoothing_s * rate_Hz));
   const auto n = static_cast<std::ptrdiff_t>(x.size());
   std::vector<double> weights;
   for (std::ptrdiff_t k = -reach; k <= reach; ++k)
@@ -143,13 +143,13 @@ SlideWindows slide_windows(const Recording& recording, const Vec3& normal_W, dou
   result.source = recording.source;
   check_forces(recording);
   result.rate_Hz = 1.0 / interval_s(recording);
-  if (result.rate_Hz < kLeastRate_Hz) {
+  if (result.rate_Hz < least_rate_Hz) {
     throw BadData(fmt::format("{}: {:.4g} samples per second; a texture is felt from 20 Hz on, and {:g} are needed",
-                              recording.source, result.rate_Hz, kLeastRate_Hz));
+                              recording.source, result.rate_Hz, least_rate_Hz));
   }
   const Vec3 normal = normal_W.normalized();
   const Sliding sliding = sliding_of(recording, normal, result.rate_Hz);
-  const auto length = static_cast<std::size_t>(std::round(kWindow_s * result.rate_Hz));
+  const auto length = static_cast<std::size_t>(std::round(slide_window_s * result.rate_Hz));
   const auto step =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::round(step_share * static_cast<double>(length))));
   result.window_s = static_cast<double>(length) / result.rate_Hz;
@@ -157,13 +157,13 @@ SlideWindows slide_windows(const Recording& recording, const Vec3& normal_W, dou
   for (std::size_t i = 0; i < recording.size(); ++i) {
     fastest = std::max(fastest, sliding.speed_m_per_s[i]);
     hardest_N = std::max(hardest_N, sliding.load_N[i]);
-    if (sliding.speed_m_per_s[i] >= kSlides_m_per_s && sliding.load_N[i] >= kTouches_N)
+    if (sliding.speed_m_per_s[i] >= slides_m_per_s && sliding.load_N[i] >= touches_N)
       result.sliding_s += 1.0 / result.rate_Hz;
   }
   for (std::size_t first = 0; first + length <= recording.size(); first += step) {
     const Evenness speed = evenness(sliding.speed_m_per_s, first, length);
     const Evenness load = evenness(sliding.load_N, first, length);
-    if (!(speed.least >= kSlides_m_per_s && load.least >= kTouches_N && speed.share <= kEven && load.share <= kEven))
+    if (!(speed.least >= slides_m_per_s && load.least >= touches_N && speed.share <= even && load.share <= even))
       continue;
     SlideWindow window{
         recording.motion.t_s[first], speed.mean, load.mean, evenness(sliding.force_N[1], first, length).mean, {}};
@@ -180,8 +180,8 @@ SlideWindows slide_windows(const Recording& recording, const Vec3& normal_W, dou
                     "than {:g} N, stroke faster than {:g} mm/s, give --normal if the sample does not face +z, and "
                     "--flip-force if the "
                     "file has the force BY the probe",
-                    recording.source, kWindow_s, 100.0 * kEven, result.sliding_s, 1e3 * fastest, hardest_N, normal.x(),
-                    normal.y(), normal.z(), kTouches_N, 1e3 * kSlides_m_per_s));
+                    recording.source, slide_window_s, 100.0 * even, result.sliding_s, 1e3 * fastest, hardest_N,
+                    normal.x(), normal.y(), normal.z(), touches_N, 1e3 * slides_m_per_s));
   }
   return result;
 }

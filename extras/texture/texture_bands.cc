@@ -14,8 +14,8 @@ using perception::Thresholds;
 
 namespace {
 
-constexpr int kPerBin = 16;
-constexpr int kReachBins = 8;  // beyond, a Hann window's side lobes lie below -90 dB
+constexpr int per_bin = 16;
+constexpr int reach_bins = 8;  // beyond, a Hann window's side lobes lie below -90 dB
 
 class Bands {
  public:
@@ -39,9 +39,9 @@ class Bands {
       octaves_.push_back(std::log2(f / centre));
     }
     double sum = 0.0;
-    for (int j = -kReachBins * kPerBin; j <= kReachBins * kPerBin; ++j) {
+    for (int j = -reach_bins * per_bin; j <= reach_bins * per_bin; ++j) {
       // The transform of cos^2 over one length, at j sixteenths of a bin: sinc(u) / (1 - u^2).
-      const double u = static_cast<double>(j) / kPerBin;
+      const double u = static_cast<double>(j) / per_bin;
       double value = 1.0;
       if (std::abs(std::abs(u) - 1.0) < 1e-9) {
         value = 0.5;
@@ -66,8 +66,8 @@ class Bands {
 
   [[nodiscard]] std::vector<double> expected(const TextureFilter& filter, double model_rate_Hz, double mass_kg) const {
     std::vector<double> density;
-    const double step_Hz = bin_Hz_ / kPerBin;
-    const int last = (static_cast<int>(bins_) + kReachBins) * kPerBin;
+    const double step_Hz = bin_Hz_ / per_bin;
+    const int last = (static_cast<int>(bins_) + reach_bins) * per_bin;
     for (int j = 0; j <= last; ++j) {
       const double f = step_Hz * j;
       density.push_back(2.0 * f <= model_rate_Hz ? filter.density(f, model_rate_Hz) : 0.0);
@@ -75,9 +75,9 @@ class Bands {
     std::vector<double> powers;
     for (int k = 1; k <= static_cast<int>(bins_); ++k) {
       double sum = 0.0;
-      for (int j = -kReachBins * kPerBin; j <= kReachBins * kPerBin; ++j)
-        sum += shape_[static_cast<std::size_t>(j + kReachBins * kPerBin)] *
-               density[static_cast<std::size_t>(std::abs(k * kPerBin + j))];
+      for (int j = -reach_bins * per_bin; j <= reach_bins * per_bin; ++j)
+        sum += shape_[static_cast<std::size_t>(j + reach_bins * per_bin)] *
+               density[static_cast<std::size_t>(std::abs(k * per_bin + j))];
       powers.push_back(mass_kg * mass_kg * bin_Hz_ * sum);
     }
     return powers;

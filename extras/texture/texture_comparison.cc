@@ -19,18 +19,18 @@ using perception::Thresholds;
 
 namespace {
 
-constexpr std::size_t kFewestWindows = 8;       // one second with half of each shared
-constexpr double kDecibel = 4.342944819032518;  // 10 / ln 10
+constexpr std::size_t fewest_windows = 8;      // one second with half of each shared
+constexpr double decibel = 4.342944819032518;  // 10 / ln 10
 
 using Cell = std::pair<long, long>;
 using Cells = std::map<Cell, std::vector<std::size_t>>;
 
 // As perceive's (harness/perception/judge/like_windows.cc).
 Cells cells_of(const BandPower& power) {
-  constexpr double kSlides_m_per_s = 0.005;
+  constexpr double slides_m_per_s = 0.005;
   Cells cells;
   for (std::size_t w = 0; w < power.segments; ++w) {
-    cells[{std::lround(3.0 * std::log2(power.slide_m_per_s[w] / kSlides_m_per_s)),
+    cells[{std::lround(3.0 * std::log2(power.slide_m_per_s[w] / slides_m_per_s)),
            std::lround(2.0 * std::log2(power.load_N[w]))}]
         .push_back(w);
   }
@@ -79,13 +79,13 @@ ComparedBand compare_band(const FastForce& expected, const FastForce& recorded, 
   result.recorded_N = std::sqrt(of_recorded.mean / weights);
   result.threshold_N = thresholds.vibration_force_N(result.centre_Hz) / std::sqrt(2.0);
   result.felt = std::max(result.expected_N, result.recorded_N) >= result.threshold_N;
-  result.difference_dB = kDecibel * std::log(of_recorded.mean / of_expected.mean);
+  result.difference_dB = decibel * std::log(of_recorded.mean / of_expected.mean);
   const double a = of_expected.variance / (of_expected.mean * of_expected.mean);
   const double b = of_recorded.variance / (of_recorded.mean * of_recorded.mean);
   const double shares = of_expected.degrees_share / std::pow(of_expected.mean, 4) +
                         of_recorded.degrees_share / std::pow(of_recorded.mean, 4);
   const double degrees = shares > 0.0 ? std::max(1.0, (a + b) * (a + b) / shares) : 1.0;
-  result.interval_dB = kDecibel * stats::student_t_975(degrees) * std::sqrt(a + b);
+  result.interval_dB = decibel * stats::student_t_975(degrees) * std::sqrt(a + b);
   return result;
 }
 
@@ -140,18 +140,18 @@ TextureComparison compare_textures(const FastForce& expected, const FastForce& r
   const Cells recorded_cells = cells_of(recorded.contact);
   for (const auto& [cell, windows] : recorded_cells)
     if (expected_cells.contains(cell)) comparison.windows += windows.size();
-  if (comparison.windows < kFewestWindows) {
+  if (comparison.windows < fewest_windows) {
     comparison.reason = fmt::format(
         "both slid at a like speed and force in {} of {} windows of {:.3g} s, and {} are needed; slide as in the other "
         "recording, or longer",
-        comparison.windows, comparison.all_windows, recorded.contact.segment_s, kFewestWindows);
+        comparison.windows, comparison.all_windows, recorded.contact.segment_s, fewest_windows);
     return comparison;
   }
   const double highest_Hz = std::min(expected.nyquist_Hz, recorded.nyquist_Hz);
   const double lowest_Hz = std::max(19.0, 1.5 / recorded.contact.segment_s);
   const auto& centres = perception::band_centres_Hz();
   for (std::size_t band = 0; band < centres.size(); ++band) {
-    if (centres[band] < lowest_Hz || centres[band] * perception::kHalfBandRatio > highest_Hz) continue;
+    if (centres[band] < lowest_Hz || centres[band] * perception::half_band_ratio > highest_Hz) continue;
     comparison.bands.push_back(compare_band(expected, recorded, expected_cells, recorded_cells, band, thresholds));
   }
   judge_bands(comparison);
@@ -215,7 +215,7 @@ std::string write_picture(const TextureComparison& comparison, const std::string
   report::PlotLine expected{"expected", {}, false}, recorded{"recorded", {}, true}, threshold{"felt from", {}, false};
   for (const ComparedBand& band : comparison.bands) {
     const double octaves = std::log2(band.centre_Hz / 20.0);
-    const auto level = [](double force_N) { return 2.0 * kDecibel * std::log(std::max(force_N, 1e-9) / 1e-3); };
+    const auto level = [](double force_N) { return 2.0 * decibel * std::log(std::max(force_N, 1e-9) / 1e-3); };
     expected.points.emplace_back(octaves, level(band.expected_N));
     recorded.points.emplace_back(octaves, level(band.recorded_N));
     threshold.points.emplace_back(octaves, level(band.threshold_N));

@@ -16,8 +16,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kTolerance_dB = 3.0;
-const perception::Thresholds kThresholds;
+constexpr double tolerance_dB = 3.0;
+const perception::Thresholds thresholds;
 
 SlideWindows slide(double frequency_Hz, double variance, double seconds, std::uint64_t seed, double rate_Hz = 1000.0) {
   const auto filter = std::pair{resonance(frequency_Hz, 0.9, rate_Hz), variance};
@@ -36,12 +36,12 @@ TextureModel one_filter(double frequency_Hz, double variance, double rate_Hz = 1
 }
 
 TextureComparison compare(const SlideWindows& expected, const SlideWindows& recorded) {
-  return compare_textures(recorded_bands(expected, kThresholds), recorded_bands(recorded, kThresholds), kTolerance_dB,
-                          kThresholds);
+  return compare_textures(recorded_bands(expected, thresholds), recorded_bands(recorded, thresholds), tolerance_dB,
+                          thresholds);
 }
 TextureComparison compare(const TextureModel& expected, const SlideWindows& recorded) {
-  return compare_textures(expected_bands(expected, kMadeMass_kg, recorded, kThresholds),
-                          recorded_bands(recorded, kThresholds), kTolerance_dB, kThresholds);
+  return compare_textures(expected_bands(expected, made_mass_kg, recorded, thresholds),
+                          recorded_bands(recorded, thresholds), tolerance_dB, thresholds);
 }
 
 // What a window shows of a model on average is exact: the mean of many windows comes to it, also where a narrow
@@ -53,8 +53,8 @@ TEST(TextureBands, TheExpectedPowerIsTheMeanOfManyWindows) {
         slide_windows(made_slide({{0.08, 0.8, 400.0}}, {filter}, 0.3, rate_Hz, 7), Vec3::UnitZ(), 0.5);
     TextureModel model = one_filter(110.0, 0.1, rate_Hz);
     for (TextureNode& node : model.nodes) node.ar_rad = line_spectral_frequencies(filter.first);
-    const auto recorded = recorded_bands(windows, kThresholds);
-    const auto expected = expected_bands(model, kMadeMass_kg, windows, kThresholds);
+    const auto recorded = recorded_bands(windows, thresholds);
+    const auto expected = expected_bands(model, made_mass_kg, windows, thresholds);
     for (std::size_t b = 0; b < perception::band_centres_Hz().size(); ++b) {
       if (perception::band_centres_Hz()[b] > 0.4 * rate_Hz) continue;
       EXPECT_NEAR(recorded.contact.power_N2[b], expected.contact.power_N2[b],

@@ -16,8 +16,8 @@
 namespace touchstone::texture {
 namespace {
 
-constexpr std::size_t kMostNodes = 10000;
-constexpr double kMostRate_Hz = 1e6;
+constexpr std::size_t most_nodes = 10000;
+constexpr double most_rate_Hz = 1e6;
 
 class Reader {
  public:
@@ -39,17 +39,17 @@ class Reader {
     check_unit("ForceUnits", "N");
     TextureModel model;
     model.material = root_.child_value("material");
-    model.rate_Hz = number(child(root_, "SampleRate"), 1.0, kMostRate_Hz);
+    model.rate_Hz = number(child(root_, "SampleRate"), 1.0, most_rate_Hz);
     model.mu = number(child(root_, "mu"), 0.0, 100.0);
     model.largest_speed_m_per_s = number(child(root_, "maxSpeed"), 1e-6, 1e9) / 1000.0;
     model.largest_force_N = number(child(root_, "maxForce"), 1e-9, 1e9);
-    const std::size_t ar_count = count("numARCoeff", 1, kMostCoefficients);
-    const std::size_t ma_count = count("numMACoeff", 0, kMostCoefficients);
+    const std::size_t ar_count = count("numARCoeff", 1, most_coefficients);
+    const std::size_t ma_count = count("numMACoeff", 0, most_coefficients);
     for (const pugi::xml_node& node : root_.children("model"))
       model.nodes.push_back(read_node(node, ar_count, ma_count));
-    check_count("model", model.nodes.size(), "numMod", count("numMod", 3, kMostNodes));
+    check_count("model", model.nodes.size(), "numMod", count("numMod", 3, most_nodes));
     for (const pugi::xml_node& node : root_.children("tri")) model.triangles.push_back(read_triangle(node, model));
-    check_count("tri", model.triangles.size(), "numTri", count("numTri", 1, 2 * kMostNodes));
+    check_count("tri", model.triangles.size(), "numTri", count("numTri", 1, 2 * most_nodes));
     check_covered(model);
     return model;
   }
@@ -139,7 +139,7 @@ class Reader {
   }
   // The triangles fill the rectangle up to the largest speed and force; else no filter is known in the gaps.
   void check_covered(const TextureModel& model) const {
-    constexpr double kGap = 1e-3;  // of the rectangle
+    constexpr double gap = 1e-3;  // of the rectangle
     double area = 0.0;
     for (const auto& [a, b, c] : model.triangles) {
       const auto& n = model.nodes;
@@ -147,7 +147,7 @@ class Reader {
                              (n[b].force_N - n[a].force_N) * (n[c].speed_m_per_s - n[a].speed_m_per_s));
     }
     const double whole = model.largest_speed_m_per_s * model.largest_force_N;
-    if (!(std::abs(area / whole - 1.0) <= kGap)) {
+    if (!(std::abs(area / whole - 1.0) <= gap)) {
       fail(root_,
            fmt::format("the triangles cover {:.4g} % of the speeds up to <maxSpeed> and forces up to <maxForce>; "
                        "100 % were expected",

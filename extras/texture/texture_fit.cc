@@ -15,11 +15,11 @@
 namespace touchstone::texture {
 namespace {
 
-constexpr std::size_t kLeastOrder = 2;
-constexpr std::size_t kLargestOrder = 20;
-constexpr std::size_t kLeastWindows = 4;  // of a part: one second
-constexpr double kDriving = 0.02;         // of the load: less is an error of the normal
-constexpr double kPart = 1.0 / 6.0;       // of the largest speed and force, that one part may span
+constexpr std::size_t least_order = 2;
+constexpr std::size_t largest_order = 20;
+constexpr std::size_t least_windows = 4;  // of a part: one second
+constexpr double driving = 0.02;          // of the load: less is an error of the normal
+constexpr double part_share = 1.0 / 6.0;  // of the largest speed and force, that one part may span
 
 using Part = std::vector<const SlideWindow*>;
 
@@ -51,7 +51,7 @@ class Parts {
 
  private:
   void split(const Part& part) {
-    if (part.size() < kLeastWindows) {
+    if (part.size() < least_windows) {
       left_out += part.size();
       return;
     }
@@ -62,7 +62,7 @@ class Parts {
     }
     const bool by_speed = speed.most - speed.least > force.most - force.least;
     const Extremes& wider = by_speed ? speed : force;
-    if (wider.most - wider.least <= kPart) {
+    if (wider.most - wider.least <= part_share) {
       parts.push_back(part);
       return;
     }
@@ -120,7 +120,7 @@ double friction(const SlideWindows& windows) {
     squares += window.load_N * window.load_N;
   }
   const double slope = product / squares;
-  if (slope < -kDriving) {
+  if (slope < -driving) {
     throw BadData(
         fmt::format("{}: the force drives the motion instead of resisting it (friction would be {:.3g}): if the "
                     "file has the force BY the probe, give --flip-force",
@@ -131,8 +131,8 @@ double friction(const SlideWindows& windows) {
 
 // Points on the edges of the rectangle, with the filter of the nearest part.
 void add_edges(TextureModel& model) {
-  constexpr int kSteps = 4;
-  constexpr double kApart = 1e-3;  // of the rectangle: nearer to a part, that stands there
+  constexpr int steps = 4;
+  constexpr double apart = 1e-3;  // of the rectangle: nearer to a part, that stands there
   const std::vector<TextureNode> parts = model.nodes;
   const auto across = [&model](double speed, double force, const TextureNode& node) {
     return std::hypot(speed - node.speed_m_per_s / model.largest_speed_m_per_s,
@@ -141,15 +141,15 @@ void add_edges(TextureModel& model) {
   const auto add = [&](double speed, double force) {
     const auto nearest =
         std::ranges::min_element(parts, {}, [&](const TextureNode& n) { return across(speed, force, n); });
-    if (across(speed, force, *nearest) < kApart) return;
+    if (across(speed, force, *nearest) < apart) return;
     TextureNode node = *nearest;
     node.speed_m_per_s = speed * model.largest_speed_m_per_s;
     node.force_N = force * model.largest_force_N;
     if (speed == 0.0 || force == 0.0) node.variance = 0.0;
     model.nodes.push_back(std::move(node));
   };
-  for (int i = 0; i < kSteps; ++i) {
-    const double along = static_cast<double>(i) / kSteps;
+  for (int i = 0; i < steps; ++i) {
+    const double along = static_cast<double>(i) / steps;
     add(along, 0.0);
     add(1.0, along);
     add(1.0 - along, 1.0);
@@ -172,26 +172,26 @@ TextureFit fit_texture(const SlideWindows& windows, double effective_mass_kg, co
     throw BadData(fmt::format(
         "{}: at no speed and force are there {} windows of {:.3g} s, which a model needs, but {} in all; slide longer, "
         "at a few speeds and forces that you hold for two seconds each",
-        windows.source, kLeastWindows, windows.window_s, windows.windows.size()));
+        windows.source, least_windows, windows.window_s, windows.windows.size()));
   }
   std::vector<PartSeries> series;
   std::vector<SegmentBurg> burgs;
-  std::array<double, kLargestOrder + 1> criterion{};
+  std::array<double, largest_order + 1> criterion{};
   for (const Part& part : parts.parts) {
     series.push_back(series_of(part, effective_mass_kg));
-    constexpr double kRounding = 1e-9;  // of the load
-    if (!(effective_mass_kg * std::sqrt(series.back().power) > kRounding * part.front()->load_N)) {
+    constexpr double rounding = 1e-9;  // of the load
+    if (!(effective_mass_kg * std::sqrt(series.back().power) > rounding * part.front()->load_N)) {
       throw BadData(fmt::format("{}: the force has no fast part at {:.4g} mm/s and {:.4g} N, and so no texture",
                                 windows.source, 1e3 * part.front()->speed_m_per_s, part.front()->load_N));
     }
-    burgs.push_back(segment_burg(series.back().series, kLargestOrder));
-    for (std::size_t order = kLeastOrder; order <= kLargestOrder; ++order)
+    burgs.push_back(segment_burg(series.back().series, largest_order));
+    for (std::size_t order = least_order; order <= largest_order; ++order)
       criterion[order] += corrected_criterion(series.back().samples, burgs.back().errors[order], order);
   }
   TextureFit fit;
   fit.left_out = parts.left_out;
   fit.order =
-      static_cast<std::size_t>(std::min_element(criterion.begin() + kLeastOrder, criterion.end()) - criterion.begin());
+      static_cast<std::size_t>(std::min_element(criterion.begin() + least_order, criterion.end()) - criterion.begin());
   TextureModel& model = fit.model;
   model.material = material;
   model.rate_Hz = windows.rate_Hz;

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 // Two speeds, two loads; 40 s each. The frequency goes with the speed, the power with the load.
-const std::vector<Hold> kHolds{{0.06, 0.5, 40.0}, {0.15, 0.5, 40.0}, {0.06, 1.5, 40.0}, {0.15, 1.5, 40.0}};
+const std::vector<Hold> holds{{0.06, 0.5, 40.0}, {0.15, 0.5, 40.0}, {0.06, 1.5, 40.0}, {0.15, 1.5, 40.0}};
 std::vector<std::pair<std::vector<double>, double>> filters(double rate_Hz) {
   return {{resonance(80.0, 0.9, rate_Hz), 0.05},
           {resonance(200.0, 0.9, rate_Hz), 0.05},
@@ -35,20 +35,20 @@ class FitRates : public ::testing::TestWithParam<double> {};
 TEST_P(FitRates, CoefficientsVarianceAndFrictionAreFoundAgain) {
   const double rate_Hz = GetParam();
   const auto truth = filters(rate_Hz);
-  const recording::Recording made = made_slide(kHolds, truth, 0.41, rate_Hz, 11);
+  const recording::Recording made = made_slide(holds, truth, 0.41, rate_Hz, 11);
   const SlideWindows windows = slide_windows(made, Vec3::UnitZ(), 1.0);
-  const TextureFit fit = fit_texture(windows, kMadeMass_kg, "made");
+  const TextureFit fit = fit_texture(windows, made_mass_kg, "made");
   EXPECT_NEAR(fit.model.mu, 0.41, 0.002);
   EXPECT_NEAR(fit.model.rate_Hz, rate_Hz, 1e-6 * rate_Hz);
   ASSERT_EQ(fit.parts.size(), 4U);
-  for (std::size_t h = 0; h < kHolds.size(); ++h) {
-    const TextureFilter found = filter_at(fit.model, kHolds[h].speed_m_per_s, kHolds[h].load_N);
+  for (std::size_t h = 0; h < holds.size(); ++h) {
+    const TextureFilter found = filter_at(fit.model, holds[h].speed_m_per_s, holds[h].load_N);
     TextureFilter right;
     right.ar_count = 2;
     std::copy(truth[h].first.begin(), truth[h].first.end(), right.ar.begin());
     right.ma[0] = 1.0;
     right.variance = truth[h].second;
-    const double samples = kHolds[h].seconds * rate_Hz;
+    const double samples = holds[h].seconds * rate_Hz;
     EXPECT_NEAR(found.variance / right.variance, 1.0, 5.0 * std::sqrt(2.0 / samples));
     // The logarithm of the density has 2 (order + 1) / n as variance (Berk 1974, Ann. Statist. 2:489). The parabola
     // takes what lies below 10 Hz, and so few coefficients follow that gap with a shallow slope.
@@ -68,8 +68,8 @@ INSTANTIATE_TEST_SUITE_P(Rates, FitRates, ::testing::Values(500.0, 1000.0, 2500.
 TEST(TextureFit, ATurnOfTheWorldChangesNothing) {
   const Quat turn(Eigen::AngleAxisd(1.1, Vec3(1.0, -2.0, 0.5).normalized()));
   const auto fitted = [&](const Quat& by) {
-    const recording::Recording made = made_slide(kHolds, filters(1000.0), 0.3, 1000.0, 4, by);
-    return fit_texture(slide_windows(made, by * Vec3::UnitZ(), 1.0), kMadeMass_kg, "made");
+    const recording::Recording made = made_slide(holds, filters(1000.0), 0.3, 1000.0, 4, by);
+    return fit_texture(slide_windows(made, by * Vec3::UnitZ(), 1.0), made_mass_kg, "made");
   };
   const TextureFit flat = fitted(Quat::Identity()), turned = fitted(turn);
   EXPECT_EQ(flat.order, turned.order);
@@ -79,8 +79,8 @@ TEST(TextureFit, ATurnOfTheWorldChangesNothing) {
 }
 
 TEST(TextureFit, TheEdgesAreSilentAtRestAndFilled) {
-  const recording::Recording made = made_slide(kHolds, filters(1000.0), 0.3, 1000.0, 4);
-  const TextureModel model = fit_texture(slide_windows(made, Vec3::UnitZ(), 1.0), kMadeMass_kg, "made").model;
+  const recording::Recording made = made_slide(holds, filters(1000.0), 0.3, 1000.0, 4);
+  const TextureModel model = fit_texture(slide_windows(made, Vec3::UnitZ(), 1.0), made_mass_kg, "made").model;
   EXPECT_EQ(filter_at(model, 0.0, 1.0).variance, 0.0);
   EXPECT_EQ(filter_at(model, 0.1, 0.0).variance, 0.0);
   EXPECT_GT(filter_at(model, 9.0, 9.0).variance, 0.2);
@@ -129,7 +129,7 @@ TEST(SlideWindows, WhatCannotBeUsedIsNamed) {
   EXPECT_THAT(
       [&] {
         const auto short_one = made_slide({{0.1, 1.0, 0.9}}, {{resonance(90.0, 0.9, 1000.0), 0.1}}, 0.3, 1000.0, 2);
-        fit_texture(slide_windows(short_one, Vec3::UnitZ(), 1.0), kMadeMass_kg, "made");
+        fit_texture(slide_windows(short_one, Vec3::UnitZ(), 1.0), made_mass_kg, "made");
       },
       ThrowsMessage<BadData>(HasSubstr("slide longer")));
   recording::Recording huge = made;
@@ -143,13 +143,13 @@ TEST(SlideWindows, WhatCannotBeUsedIsNamed) {
 TEST(TextureFit, AForceThatDrivesTheMotionIsRefused) {
   const recording::Recording made =
       made_slide({{0.1, 1.0, 4.0}}, {{resonance(90.0, 0.9, 1000.0), 0.1}}, -0.3, 1000.0, 2);
-  EXPECT_THAT([&] { fit_texture(slide_windows(made, Vec3::UnitZ(), 1.0), kMadeMass_kg, "made"); },
+  EXPECT_THAT([&] { fit_texture(slide_windows(made, Vec3::UnitZ(), 1.0), made_mass_kg, "made"); },
               ThrowsMessage<BadData>(HasSubstr("--flip-force")));
 }
 
 TEST(TextureFit, AForceWithoutAFastPartIsNoTexture) {
   const recording::Recording made = made_slide({{0.1, 1.0, 4.0}}, {{{1.0, 0.0}, 0.0}}, 0.0, 1000.0, 2);
-  EXPECT_THAT([&] { fit_texture(slide_windows(made, Vec3::UnitZ(), 1.0), kMadeMass_kg, "made"); },
+  EXPECT_THAT([&] { fit_texture(slide_windows(made, Vec3::UnitZ(), 1.0), made_mass_kg, "made"); },
               ThrowsMessage<BadData>(HasSubstr("no fast part")));
 }
 

@@ -56,7 +56,7 @@ TextureFilter filter_at(const TextureModel& model, double speed_m_per_s, double 
   for (double& weight : weights) sum += weight = std::max(0.0, weight);
 
   TextureFilter filter;
-  std::array<double, kMostCoefficients> ar_rad{}, ma_rad{};
+  std::array<double, most_coefficients> ar_rad{}, ma_rad{};
   filter.ar_count = model.nodes.front().ar_rad.size();
   filter.ma_count = model.nodes.front().ma_rad.size();
   double gain = 0.0;

@@ -21,7 +21,7 @@
 
 namespace touchstone::texture {
 
-inline constexpr std::size_t kMostCoefficients = 25;  // of the toolkit's own renderer (MAX_COEFF of its shared.h)
+inline constexpr std::size_t most_coefficients = 25;  // of the toolkit's own renderer (MAX_COEFF of its shared.h)
 
 struct TextureNode {
   double speed_m_per_s = 0.0;
@@ -44,8 +44,8 @@ struct TextureModel {
 
 // A filter with its noise; places behind `ar_count` and `ma_count` are 0. ar[0] is 1, ma[0] the gain.
 struct TextureFilter {
-  std::array<double, kMostCoefficients + 1> ar{};
-  std::array<double, kMostCoefficients + 1> ma{};
+  std::array<double, most_coefficients + 1> ar{};
+  std::array<double, most_coefficients + 1> ma{};
   std::size_t ar_count = 0;  // without the first
   std::size_t ma_count = 0;
   double variance = 0.0;

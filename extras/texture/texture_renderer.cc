@@ -19,9 +19,9 @@ using rendering::TipState;
 
 namespace {
 
-constexpr double kCutoff_rad_per_s = 125.0;
-constexpr double kSilent_m_per_s = 5e-5;
-constexpr double kRest_m_per_s = 0.001;  // as in perceive (harness/perception/judge/felt_series.h)
+constexpr double cutoff_rad_per_s = 125.0;
+constexpr double silent_m_per_s = 5e-5;
+constexpr double rest_m_per_s = 0.001;  // as in perceive (harness/perception/judge/felt_series.h)
 
 // The tip's velocity through two equal low-pass filters of first order, each discretised by the backward difference:
 // v[n] = w^2 u[n] + 2 (1 - w) v[n-1] - (1 - w)^2 v[n-2], w = T lambda / (1 + T lambda).
@@ -33,7 +33,7 @@ class TipVelocity {
   }
   Vec3 at(double t_s, const Vec3& p_W_m) noexcept {
     if (known_) {
-      const double step = (t_s - t_s_) * kCutoff_rad_per_s;
+      const double step = (t_s - t_s_) * cutoff_rad_per_s;
       const double stays = 1.0 / (1.0 + step);
       const double enters = step * stays;
       const Vec3 raw = (p_W_m - p_W_m_) / (t_s - t_s_);
@@ -79,11 +79,11 @@ class TextureRenderer final : public Renderer {
     }
     const double speed_m_per_s = sliding.norm();
     // At rest and in the air without noise, so that what rang before dies away.
-    const bool sounds = result.contact && speed_m_per_s >= kSilent_m_per_s;
+    const bool sounds = result.contact && speed_m_per_s >= silent_m_per_s;
     const double acceleration = player_.at(tip.t_s, sounds ? speed_m_per_s : 0.0, force_N);
     // At rest there is no direction, and what still rings has none either.
     if (result.contact)
-      result.f_W_N += mass_kg_ * acceleration * sliding.cross(result.n_W) / std::hypot(speed_m_per_s, kRest_m_per_s);
+      result.f_W_N += mass_kg_ * acceleration * sliding.cross(result.n_W) / std::hypot(speed_m_per_s, rest_m_per_s);
     return result;
   }
 
@@ -101,11 +101,11 @@ rendering::RendererEntry texture_renderer_entry(std::shared_ptr<const TextureMod
   entry.summary = model ? "the texture of " + model->material + ": god-object, friction, and noise by speed and force"
                         : "a texture without its model";
   entry.source = "Culbertson, Lopez Delgado and Kuchenbecker 2014, Haptics Symposium";
-  entry.parameters = {
-      {"stiffness_N_per_m", "N/m", 1e-9, 1e9, 500.0, "of the surface"},
-      {"presliding_m", "m", 1e-12, 1e3, 5e-5, "of the friction: tangential path from stuck to sliding"},
-      {"effective_mass_kg", "kg", 0.0, 10.0, kEffectiveMass_kg, "of handle and hand: force over the acceleration"},
-      {"seed", "1", 0.0, 4294967295.0, 1.0, "of the noise; a whole number"}};
+  entry.parameters = {{"stiffness_N_per_m", "N/m", 1e-9, 1e9, 500.0, "of the surface"},
+                      {"presliding_m", "m", 1e-12, 1e3, 5e-5, "of the friction: tangential path from stuck to sliding"},
+                      {"effective_mass_kg", "kg", 0.0, 10.0, default_effective_mass_kg,
+                       "of handle and hand: force over the acceleration"},
+                      {"seed", "1", 0.0, 4294967295.0, 1.0, "of the noise; a whole number"}};
   entry.cannot = {{Ability::continuous_force, "a texture is noise"},
                   {Ability::passive, "a texture gives energy to the hand"},
                   {Ability::unit_scale, "the model's speeds are in its own unit"},

@@ -16,7 +16,7 @@
 
 namespace touchstone::texture {
 
-inline constexpr double kEffectiveMass_kg = 0.05;
+inline constexpr double default_effective_mass_kg = 0.05;
 
 // `model` empty: a renderer that cannot be made; its make() throws BadData that says `why`.
 rendering::RendererEntry texture_renderer_entry(std::shared_ptr<const TextureModel> model, const std::string& why = "");

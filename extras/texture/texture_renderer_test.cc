@@ -46,7 +46,8 @@ TEST(TextureRenderer, TheVibrationGoesAcrossThePathAndIsTheSignalTimesTheMass) {
     ASSERT_NEAR(result.f_W_N.z(), 1.0, 1e-9);
     ASSERT_NEAR(result.f_W_N.x(), -0.35, 1e-9);
     // x cross z is -y.
-    const double expected = -kEffectiveMass_kg * accelerations[accelerations.size() - 1 - TexturePlayer::kHalfWidth];
+    const double expected =
+        -default_effective_mass_kg * accelerations[accelerations.size() - 1 - TexturePlayer::half_width];
     ASSERT_NEAR(result.f_W_N.y(), expected, 1e-4 * 0.05 + 1e-4 * std::abs(expected));
     squares += expected * expected;
   }

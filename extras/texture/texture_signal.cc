@@ -39,30 +39,30 @@ void TexturePlayer::reset() {
 }
 
 double TexturePlayer::at(double t_s, double speed_m_per_s, double force_N) noexcept {
-  constexpr double kRounding = 1e-6;  // of a sample
+  constexpr double rounding = 1e-6;  // of a sample
   if (made_ == 0) origin_s_ = before_s_ = t_s;
   double now = (t_s - origin_s_) * rate_Hz_;  // in samples
-  if (now - static_cast<double>(made_) > static_cast<double>(kKept)) {
+  if (now - static_cast<double>(made_) > static_cast<double>(kept)) {
     // A pause longer than the memory of the kernel: nothing of before is heard.
     origin_s_ = t_s;
     now = 0.0;
     made_ = 0;
     samples_.fill(0.0);
   }
-  for (; static_cast<double>(made_) <= now + kRounding; ++made_)
-    samples_[made_ % kKept] = signal_.next(speed_m_per_s, force_N);
+  for (; static_cast<double>(made_) <= now + rounding; ++made_)
+    samples_[made_ % kept] = signal_.next(speed_m_per_s, force_N);
   // Below the model's rate, the band that the loop can carry.
   const double step = (t_s - before_s_) * rate_Hz_;
-  const double band = step > 1.0 + kRounding ? std::max(0.5, 1.0 / step) : 1.0;
+  const double band = step > 1.0 + rounding ? std::max(0.5, 1.0 / step) : 1.0;
   before_s_ = t_s;
   double nearest = std::round(now);
-  if (std::abs(now - nearest) < kRounding) now = nearest;
-  const double place = now - static_cast<double>(kHalfWidth);
-  const double first = std::max(0.0, std::ceil(place - static_cast<double>(kHalfWidth)));
+  if (std::abs(now - nearest) < rounding) now = nearest;
+  const double place = now - static_cast<double>(half_width);
+  const double first = std::max(0.0, std::ceil(place - static_cast<double>(half_width)));
   double sum = 0.0;
   for (auto k = static_cast<std::uint64_t>(first); k < made_; ++k) {
     const double away = static_cast<double>(k) - place;
-    sum += samples_[k % kKept] * band * sinc(band * away) * blackman(away / static_cast<double>(kHalfWidth));
+    sum += samples_[k % kept] * band * sinc(band * away) * blackman(away / static_cast<double>(half_width));
   }
   return sum;
 }

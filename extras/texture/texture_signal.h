@@ -24,17 +24,17 @@ class TextureSignal {
   std::shared_ptr<const TextureModel> model_;
   std::uint64_t seed_;
   Random random_;
-  std::array<double, kMostCoefficients> outputs_{};  // the latest first
-  std::array<double, kMostCoefficients> noises_{};
+  std::array<double, most_coefficients> outputs_{};  // the latest first
+  std::array<double, most_coefficients> noises_{};
 };
 
 // At the times of the loop the signal is the sum of its samples over a windowed sinc (windowed_sinc.h), so that a
 // faster loop adds no images of the spectrum above the model's own, and a slower one, as far as half the model's rate,
-// folds nothing down; a tenth of the rate around the upper end of the band is lost. It is late by kHalfWidth samples; a
+// folds nothing down; a tenth of the rate around the upper end of the band is lost. It is late by half_width samples; a
 // loop at the model's rate gets the samples themselves.
 class TexturePlayer {
  public:
-  static constexpr std::size_t kHalfWidth = 16;
+  static constexpr std::size_t half_width = 16;
 
   TexturePlayer(std::shared_ptr<const TextureModel> model, std::uint64_t seed);
   void reset();
@@ -42,11 +42,11 @@ class TexturePlayer {
   double at(double t_s, double speed_m_per_s, double force_N) noexcept;
 
  private:
-  static constexpr std::size_t kKept = 4 * kHalfWidth;
+  static constexpr std::size_t kept = 4 * half_width;
 
   double rate_Hz_;
   TextureSignal signal_;
-  std::array<double, kKept> samples_{};  // sample k at k mod kKept
+  std::array<double, kept> samples_{};  // sample k at k mod kept
   std::uint64_t made_ = 0;
   double origin_s_ = 0.0;
   double before_s_ = 0.0;

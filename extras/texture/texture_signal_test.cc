@@ -122,8 +122,8 @@ TEST(TexturePlayer, ALoopAtTheModelsRateGetsTheSamplesThemselvesLate) {
   for (int i = 0; i < 5000; ++i) {
     samples.push_back(signal.next(0.1, 1.0));
     const double played = player.at(2.5 + 0.001 * i, 0.1, 1.0);
-    if (i < static_cast<int>(TexturePlayer::kHalfWidth)) continue;
-    ASSERT_NEAR(played, samples[static_cast<std::size_t>(i) - TexturePlayer::kHalfWidth], 1e-12);
+    if (i < static_cast<int>(TexturePlayer::half_width)) continue;
+    ASSERT_NEAR(played, samples[static_cast<std::size_t>(i) - TexturePlayer::half_width], 1e-12);
   }
 }
 

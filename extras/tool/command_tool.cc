@@ -42,7 +42,7 @@ ExitStatus list_tools(const ToolListOptions& options) {
   for (const std::string& name : contacts::exact_case_names())
     fmt::print("  {:<18} {}\n", name, contacts::make_exact_case(name).what);
   fmt::print("faults of `tool check --fault`\n");
-  for (const std::string_view name : kToolFaultNames) fmt::print("  {}\n", name);
+  for (const std::string_view name : tool_fault_names) fmt::print("  {}\n", name);
   return ExitStatus::passed;
 }
 
@@ -149,7 +149,7 @@ double friction_of(const ToolTableOptions& options, std::span<const ToolRenderer
   double mu = 0.0;
   for (const ToolRendererEntry& entry : entries) {
     const ToolSettings settings = options.flags.settings_of(entry, entries);
-    const auto given = settings.parameters.find(std::string(kFrictionParameter));
+    const auto given = settings.parameters.find(std::string(friction_parameter_name));
     if (given == settings.parameters.end() || !(given->second > 0.0)) {
       throw UsageError(
           fmt::format("--slide: {} has no friction; give --parameter mu=0.3, and with --renderer those that "

@@ -84,7 +84,7 @@ TEST(ToolErrors, ATorqueOfTheWrongSignIsCountedInJustNoticeableDifferences) {
   const ToolErrors errors = errors_of(turned, "turned", two_depths());
   EXPECT_NEAR(errors.max_torque_Nm, 0.06, 1e-12);
   // 60 mNm against a difference of 7.6 mNm, which holds below the reference.
-  EXPECT_NEAR(errors.max_torque_jnd, 0.06 / (kTorqueWeberFraction * kTorqueReference_Nm), 1e-9);
+  EXPECT_NEAR(errors.max_torque_jnd, 0.06 / (torque_weber_fraction * torque_reference_Nm), 1e-9);
 }
 
 TEST(ToolErrors, WithinLetsNoComponentPassThatIsNoNumber) {

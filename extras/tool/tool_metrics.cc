@@ -38,11 +38,11 @@ void require_torque(const Recording& recording) {
 
 double torque_error_in_jnd(const Vec3& expected_Nm, const Vec3& obtained_Nm) {
   return (obtained_Nm - expected_Nm).norm() /
-         (kTorqueWeberFraction * std::max(expected_Nm.norm(), kTorqueReference_Nm));
+         (torque_weber_fraction * std::max(expected_Nm.norm(), torque_reference_Nm));
 }
 
 double force_error_in_jnd(const Vec3& expected_N, const Vec3& obtained_N) {
-  const double felt = perception::kFingertipForce.just_noticeable_difference(expected_N.norm());
+  const double felt = perception::fingertip_force.just_noticeable_difference(expected_N.norm());
   return (obtained_N - expected_N).norm() / felt;
 }
 

@@ -22,8 +22,8 @@
 
 namespace touchstone::tool {
 
-inline constexpr double kTorqueWeberFraction = 0.127;
-inline constexpr double kTorqueReference_Nm = 0.060;
+inline constexpr double torque_weber_fraction = 0.127;
+inline constexpr double torque_reference_Nm = 0.060;
 double torque_error_in_jnd(const Vec3& expected_Nm, const Vec3& obtained_Nm);
 double force_error_in_jnd(const Vec3& expected_N, const Vec3& obtained_N);
 

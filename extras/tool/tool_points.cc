@@ -19,8 +19,8 @@
 namespace touchstone::tool {
 namespace {
 
-constexpr std::array<std::string_view, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
-constexpr const char* kExpected =
+constexpr std::array<std::string_view, 6> column_names{"x", "y", "z", "nx", "ny", "nz"};
+constexpr const char* expected =
     "a tool of points has the columns x_m, y_m, z_m (or _mm, _cm, ...), nx, ny and nz (its outward normal)";
 
 }  // namespace
@@ -28,17 +28,17 @@ constexpr const char* kExpected =
 PointShell load_point_shell(const std::filesystem::path& path) {
   const auto source = recording::open_table(path);
   const std::vector<std::string>& names = source->names();
-  std::array<std::size_t, kNames.size()> column{};
+  std::array<std::size_t, column_names.size()> column{};
   column.fill(names.size());
   std::array<double, 3> unit_m{};
   for (std::size_t c = 0; c < names.size(); ++c) {
     const std::string name = names[c].substr(0, names[c].find('_'));
-    const auto* const known = std::ranges::find(kNames, name);
-    const auto k = static_cast<std::size_t>(known - kNames.begin());
+    const auto* const known = std::ranges::find(column_names, name);
+    const auto k = static_cast<std::size_t>(known - column_names.begin());
     const bool length = k < 3 && name.size() < names[c].size();
-    if (known == kNames.end() || (k >= 3 && name != names[c]) || (k < 3 && !length) || column[k] != names.size())
+    if (known == column_names.end() || (k >= 3 && name != names[c]) || (k < 3 && !length) || column[k] != names.size())
       throw BadData(fmt::format("{}: column {} is not known here or stands twice; {}", source->name_place(c), names[c],
-                                kExpected));
+                                expected));
     column[k] = c;
     if (!length) continue;
     const std::string unit = names[c].substr(name.size() + 1);
@@ -48,18 +48,18 @@ PointShell load_point_shell(const std::filesystem::path& path) {
                                 names[c], known_units(Dimension::length)));
     unit_m[k] = *factor;
   }
-  for (std::size_t k = 0; k < kNames.size(); ++k) {
+  for (std::size_t k = 0; k < column_names.size(); ++k) {
     if (column[k] == names.size())
-      throw BadData(fmt::format("{}: no column {}; {}", path.string(), kNames[k], kExpected));
+      throw BadData(fmt::format("{}: no column {}; {}", path.string(), column_names[k], expected));
   }
   std::vector<std::vector<double>> values(names.size());
-  constexpr std::size_t kRows = 8192;
-  while (source->read(kRows, values) > 0) {
+  constexpr std::size_t rows = 8192;
+  while (source->read(rows, values) > 0) {
   }
   PointShell shell;
   for (std::size_t i = 0; i < values[column[0]].size(); ++i) {
-    std::array<double, kNames.size()> v{};
-    for (std::size_t k = 0; k < kNames.size(); ++k) {
+    std::array<double, column_names.size()> v{};
+    for (std::size_t k = 0; k < column_names.size(); ++k) {
       v[k] = values[column[k]][i];
       if (!std::isfinite(v[k]))
         throw BadData(fmt::format("{}: {}; a finite number was expected", source->value_place(i, column[k]), v[k]));
@@ -77,8 +77,8 @@ PointShell load_point_shell(const std::filesystem::path& path) {
 
 void save_point_shell(const PointShell& shell, const std::filesystem::path& path) {
   std::vector<recording::Column> columns;
-  for (std::size_t k = 0; k < kNames.size(); ++k) {
-    const std::string name(kNames[k]);
+  for (std::size_t k = 0; k < column_names.size(); ++k) {
+    const std::string name(column_names[k]);
     columns.push_back({recording::Quantity::x, k < 3 ? name + "_m" : name, k < 3 ? "m" : "1", recording::UnitScale()});
   }
   const auto sink = recording::create_table(path, columns);

@@ -45,13 +45,13 @@ CLI::Option* ToolShapeFlags::add_to(CLI::App& command) {
 Tool ToolShapeFlags::load() const {
   const std::string extension = std::filesystem::path(file).extension().string();
   if (extension == ".csv" || extension == ".gz" || extension == ".h5" || extension == ".hdf5") {
-    constexpr double kUsual_kg = 0.1;
-    return point_tool(load_point_shell(file), mass_kg > 0.0 ? mass_kg : kUsual_kg);
+    constexpr double usual_kg = 0.1;
+    return point_tool(load_point_shell(file), mass_kg > 0.0 ? mass_kg : usual_kg);
   }
   const surface::TriangleMesh mesh = surface::load_mesh(file, length_unit_factor(unit));
   const Tool filled = solid_tool(mesh);
   if (!(mass_kg > 0.0)) return filled;
-  return solid_tool(mesh, kUsualToolDensity_kg_per_m3 * mass_kg / filled.mass.mass_kg);
+  return solid_tool(mesh, usual_tool_density_kg_per_m3 * mass_kg / filled.mass.mass_kg);
 }
 
 }  // namespace touchstone::tool

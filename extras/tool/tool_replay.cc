@@ -47,7 +47,7 @@ class ContactTable {
  public:
   explicit ContactTable(const std::filesystem::path& path) {
     std::vector<recording::Column> columns;
-    for (const auto& [name, unit] : kColumns)
+    for (const auto& [name, unit] : tool_columns)
       columns.push_back({recording::Quantity::x, name, unit, recording::UnitScale()});
     sink_ = recording::create_table(path, columns);
   }
@@ -62,8 +62,8 @@ class ContactTable {
         values_[7 + k].push_back(contact.f_W_N[axis]);
       }
     }
-    constexpr std::size_t kRows = 8192;
-    if (values_[0].size() > kRows) write();
+    constexpr std::size_t rows = 8192;
+    if (values_[0].size() > rows) write();
   }
   void commit() {
     write();
@@ -71,23 +71,23 @@ class ContactTable {
   }
 
  private:
-  static constexpr std::array<std::pair<const char*, const char*>, 10> kColumns{{{"t_s", "s"},
-                                                                                 {"px_m", "m"},
-                                                                                 {"py_m", "m"},
-                                                                                 {"pz_m", "m"},
-                                                                                 {"nx", "1"},
-                                                                                 {"ny", "1"},
-                                                                                 {"nz", "1"},
-                                                                                 {"fx_N", "N"},
-                                                                                 {"fy_N", "N"},
-                                                                                 {"fz_N", "N"}}};
+  static constexpr std::array<std::pair<const char*, const char*>, 10> tool_columns{{{"t_s", "s"},
+                                                                                     {"px_m", "m"},
+                                                                                     {"py_m", "m"},
+                                                                                     {"pz_m", "m"},
+                                                                                     {"nx", "1"},
+                                                                                     {"ny", "1"},
+                                                                                     {"nz", "1"},
+                                                                                     {"fx_N", "N"},
+                                                                                     {"fy_N", "N"},
+                                                                                     {"fz_N", "N"}}};
   void write() {
     sink_->write(values_);
     for (std::vector<double>& column : values_) column.clear();
   }
 
   std::unique_ptr<recording::TableSink> sink_;
-  std::vector<std::vector<double>> values_ = std::vector<std::vector<double>>(kColumns.size());
+  std::vector<std::vector<double>> values_ = std::vector<std::vector<double>>(tool_columns.size());
 };
 
 }  // namespace

@@ -17,8 +17,8 @@ namespace touchstone {
 // anew when they are taken again.
 inline void keep_freed_memory() noexcept {
 #if defined(__GLIBC__)
-  constexpr int kBlocksUpTo = 32 << 20;  // the most that the C library takes for it
-  mallopt(M_MMAP_THRESHOLD, kBlocksUpTo);
+  constexpr int blocks_up_to = 32 << 20;  // the most that the C library takes for it
+  mallopt(M_MMAP_THRESHOLD, blocks_up_to);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
 #endif
 }
@@ -28,12 +28,12 @@ inline void keep_freed_memory() noexcept {
 // used takes no memory. To be called before the other threads are started; off Linux nothing changes.
 inline void take_memory_in_huge_pages(std::size_t bytes) noexcept {
 #if defined(__GLIBC__)
-  constexpr std::size_t kPage = std::size_t{2} << 20;
+  constexpr std::size_t page = std::size_t{2} << 20;
   keep_freed_memory();
   mallopt(M_ARENA_MAX, 1);
-  void* const taken = std::malloc(bytes + kPage);
+  void* const taken = std::malloc(bytes + page);
   if (taken == nullptr) return;
-  ask_for_huge_pages(taken, bytes + kPage);
+  ask_for_huge_pages(taken, bytes + page);
   std::free(taken);
 #else
   (void)bytes;

@@ -15,10 +15,10 @@ namespace touchstone {
 // The whole pages of 2 MB between `begin` and `bytes` on; off Linux nothing.
 inline void ask_for_huge_pages([[maybe_unused]] void* begin, [[maybe_unused]] std::size_t bytes) noexcept {
 #ifdef __linux__
-  constexpr std::size_t kPage = std::size_t{2} << 20;
-  const std::size_t skip = (kPage - reinterpret_cast<std::uintptr_t>(begin) % kPage) % kPage;
-  if (bytes < skip + kPage) return;
-  madvise(static_cast<char*>(begin) + skip, (bytes - skip) / kPage * kPage, MADV_HUGEPAGE);
+  constexpr std::size_t page = std::size_t{2} << 20;
+  const std::size_t skip = (page - reinterpret_cast<std::uintptr_t>(begin) % page) % page;
+  if (bytes < skip + page) return;
+  madvise(static_cast<char*>(begin) + skip, (bytes - skip) / page * page, MADV_HUGEPAGE);
 #endif
 }
 

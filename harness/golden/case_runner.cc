@@ -145,7 +145,7 @@ double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force
   for (std::size_t i = 0; i < x->size(); ++i) {
     const double newton = Vec3((*x)[i], (*y)[i], (*z)[i]).norm();
     const double bound = force.atol + force.rtol * newton + force.rpeak * peak;
-    share = std::max(share, bound / perception::kFingertipForce.just_noticeable_difference(newton));
+    share = std::max(share, bound / perception::fingertip_force.just_noticeable_difference(newton));
   }
   return share;
 }

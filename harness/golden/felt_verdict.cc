@@ -115,7 +115,7 @@ std::vector<RightAnswer> right_answers(const Catalogues& catalogues, const Golde
 }
 
 double just_noticeable_N(const RightAnswer& right) {
-  return perception::kFingertipForce.just_noticeable_difference(right.f_W_N.norm());
+  return perception::fingertip_force.just_noticeable_difference(right.f_W_N.norm());
 }
 
 double felt_jnd(const Vec3& f_W_N, const RightAnswer& right, double epsilon_N) {

@@ -20,17 +20,17 @@
 namespace touchstone::golden {
 namespace {
 
-constexpr double kMargin = 0.06;
-constexpr double kOctaves = 1.0 / 6.0;  // to both sides
-constexpr double kStrength_jnd = 1.0;
+constexpr double margin = 0.06;
+constexpr double octaves = 1.0 / 6.0;  // to both sides
+constexpr double strength_jnd = 1.0;
 
-constexpr std::array<std::pair<const char*, double LoopFigures::*>, 5> kNumbers{
+constexpr std::array<std::pair<const char*, double LoopFigures::*>, 5> number_keys{
     {{"loop_stable_margin", &LoopFigures::stable_margin},
      {"loop_buzz_Hz", &LoopFigures::buzz_Hz},
      {"loop_buzz_N", &LoopFigures::buzz_N},
      {"loop_buzz_jnd", &LoopFigures::buzz_jnd},
      {"loop_energy_J", &LoopFigures::energy_J}}};
-constexpr const char* kVerdict = "loop_verdict";
+constexpr const char* verdict_key = "loop_verdict";
 
 // A device or a grip: a file of the case's folder, or a name that the program knows.
 std::string sheet(const GoldenCase& golden, const std::string& wanted) {
@@ -60,8 +60,8 @@ LoopFigures read_result(const std::filesystem::path& file, const std::string& na
 }  // namespace
 
 void add_to(Provenance& provenance, const LoopFigures& figures) {
-  provenance[kVerdict] = figures.verdict;
-  for (const auto& [name, figure] : kNumbers) provenance[name] = fmt::format("{:.17g}", figures.*figure);
+  provenance[verdict_key] = figures.verdict;
+  for (const auto& [name, figure] : number_keys) provenance[name] = fmt::format("{:.17g}", figures.*figure);
 }
 
 LoopFigures loop_figures_of(const Provenance& provenance, const std::string& source) {
@@ -72,8 +72,8 @@ LoopFigures loop_figures_of(const Provenance& provenance, const std::string& sou
     return found->second;
   };
   LoopFigures out;
-  out.verdict = text(kVerdict);
-  for (const auto& [name, figure] : kNumbers) {
+  out.verdict = text(verdict_key);
+  for (const auto& [name, figure] : number_keys) {
     const std::string& number = text(name);
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), out.*figure);
     if (error != std::errc{} || end != number.data() + number.size())
@@ -127,17 +127,17 @@ std::vector<std::string> loop_differences(const LoopFigures& golden, const LoopF
   if (golden.verdict != obtained.verdict)
     out.push_back(fmt::format("the loop's verdict is {}, the golden's {}", obtained.verdict, golden.verdict));
   // The larger in terms of the smaller, so that none alone comes near.
-  if (!(std::abs(std::log(obtained.stable_margin / golden.stable_margin)) <= std::log1p(kMargin)) &&
+  if (!(std::abs(std::log(obtained.stable_margin / golden.stable_margin)) <= std::log1p(margin)) &&
       !(obtained.stable_margin == 0.0 && golden.stable_margin == 0.0)) {
     out.push_back(fmt::format("the stable margin is {:.4g}, the golden's {:.4g}, {:g} % may differ",
-                              obtained.stable_margin, golden.stable_margin, 100.0 * kMargin));
+                              obtained.stable_margin, golden.stable_margin, 100.0 * margin));
   }
   if (golden.repeats() && obtained.repeats()) return out;
-  if (!(std::abs(std::log2(obtained.buzz_Hz / golden.buzz_Hz)) <= kOctaves)) {
+  if (!(std::abs(std::log2(obtained.buzz_Hz / golden.buzz_Hz)) <= octaves)) {
     out.push_back(fmt::format("it buzzes at {:.4g} Hz, the golden at {:.4g}: another third of an octave",
                               obtained.buzz_Hz, golden.buzz_Hz));
   }
-  if (!(std::abs(obtained.buzz_jnd - golden.buzz_jnd) < kStrength_jnd)) {
+  if (!(std::abs(obtained.buzz_jnd - golden.buzz_jnd) < strength_jnd)) {
     out.push_back(
         fmt::format("it buzzes with {:.4g} N ({:.3g} JND), the golden with {:.4g} N ({:.3g} JND): a "
                     "difference that is noticed",

@@ -15,8 +15,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const LoopFigures kBuzzing{"buzzes", 0.62, 100.0, 0.05, 3.0, 1e-3};
-const LoopFigures kStable{"stable", 2.8, 40.0, 1e-5, 0.1, 1e-5};
+const LoopFigures buzzing{"buzzes", 0.62, 100.0, 0.05, 3.0, 1e-3};
+const LoopFigures stable{"stable", 2.8, 40.0, 1e-5, 0.1, 1e-5};
 
 LoopFigures with(LoopFigures figures, double LoopFigures::*which, double value) {
   figures.*which = value;
@@ -24,38 +24,38 @@ LoopFigures with(LoopFigures figures, double LoopFigures::*which, double value) 
 }
 
 TEST(LoopCase, ABuzzIsHeldByMarginBandAndStrength) {
-  EXPECT_THAT(loop_differences(kBuzzing, kBuzzing), IsEmpty());
+  EXPECT_THAT(loop_differences(buzzing, buzzing), IsEmpty());
   for (const double better : {1.059, 1.0 / 1.059})
-    EXPECT_THAT(loop_differences(kBuzzing, with(kBuzzing, &LoopFigures::stable_margin, 0.62 * better)), IsEmpty());
+    EXPECT_THAT(loop_differences(buzzing, with(buzzing, &LoopFigures::stable_margin, 0.62 * better)), IsEmpty());
   for (const double wrong : {1.061 * 0.62, 0.62 / 1.061, 0.0, std::nan("")}) {
-    EXPECT_THAT(loop_differences(kBuzzing, with(kBuzzing, &LoopFigures::stable_margin, wrong)),
+    EXPECT_THAT(loop_differences(buzzing, with(buzzing, &LoopFigures::stable_margin, wrong)),
                 ElementsAre(HasSubstr("the stable margin is")));
   }
-  EXPECT_THAT(loop_differences(kBuzzing, with(kBuzzing, &LoopFigures::buzz_Hz, 112.0)), IsEmpty());
+  EXPECT_THAT(loop_differences(buzzing, with(buzzing, &LoopFigures::buzz_Hz, 112.0)), IsEmpty());
   for (const double wrong_Hz : {113.0, 89.0, 0.0, std::nan("")}) {
-    EXPECT_THAT(loop_differences(kBuzzing, with(kBuzzing, &LoopFigures::buzz_Hz, wrong_Hz)),
+    EXPECT_THAT(loop_differences(buzzing, with(buzzing, &LoopFigures::buzz_Hz, wrong_Hz)),
                 ElementsAre(HasSubstr("another third of an octave")));
   }
-  EXPECT_THAT(loop_differences(kBuzzing, with(kBuzzing, &LoopFigures::buzz_jnd, 3.9)), IsEmpty());
+  EXPECT_THAT(loop_differences(buzzing, with(buzzing, &LoopFigures::buzz_jnd, 3.9)), IsEmpty());
   for (const double wrong_jnd : {4.1, 1.9, std::nan("")}) {
-    EXPECT_THAT(loop_differences(kBuzzing, with(kBuzzing, &LoopFigures::buzz_jnd, wrong_jnd)),
+    EXPECT_THAT(loop_differences(buzzing, with(buzzing, &LoopFigures::buzz_jnd, wrong_jnd)),
                 ElementsAre(HasSubstr("a difference that is noticed")));
   }
 }
 
 TEST(LoopCase, WhatIsNotFeltOfAStableLoopIsNotCompared) {
-  EXPECT_THAT(loop_differences(kStable, with(kStable, &LoopFigures::buzz_Hz, 500.0)), IsEmpty());
-  LoopFigures other = kStable;
+  EXPECT_THAT(loop_differences(stable, with(stable, &LoopFigures::buzz_Hz, 500.0)), IsEmpty());
+  LoopFigures other = stable;
   other.verdict = "unstable";
-  EXPECT_THAT(loop_differences(kStable, other), ElementsAre(HasSubstr("verdict is unstable, the golden's stable")));
-  EXPECT_THAT(loop_differences(with(kStable, &LoopFigures::stable_margin, 0.0),
-                               with(kStable, &LoopFigures::stable_margin, 0.0)),
-              IsEmpty());
+  EXPECT_THAT(loop_differences(stable, other), ElementsAre(HasSubstr("verdict is unstable, the golden's stable")));
+  EXPECT_THAT(
+      loop_differences(with(stable, &LoopFigures::stable_margin, 0.0), with(stable, &LoopFigures::stable_margin, 0.0)),
+      IsEmpty());
 }
 
 TEST(LoopCase, AGoldenKeepsTheFiguresToTheBit) {
   Provenance kept;
-  add_to(kept, with(kBuzzing, &LoopFigures::energy_J, 1.0 / 3.0));
+  add_to(kept, with(buzzing, &LoopFigures::energy_J, 1.0 / 3.0));
   EXPECT_EQ(loop_figures_of(kept, "here").energy_J, 1.0 / 3.0);
   EXPECT_EQ(loop_figures_of(kept, "here").verdict, "buzzes");
   kept["loop_buzz_N"] = "much";

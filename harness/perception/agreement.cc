@@ -14,7 +14,7 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr std::size_t kExactUpTo = 8;  // 8! = 40320 orders
+constexpr std::size_t exact_up_to = 8;  // 8! = 40320 orders
 
 void check_ranked(std::span<const double> x, std::span<const double> y) {
   if (x.size() != y.size() || x.size() < 3) {
@@ -86,7 +86,7 @@ RankCorrelation correlate(std::span<const double> x, std::span<const double> y, 
     result.low95 = std::tanh(z - reach);
     result.high95 = std::tanh(z + reach);
   }
-  if (x.size() <= kExactUpTo) {
+  if (x.size() <= exact_up_to) {
     result.p_two_sided = exact_p(a, b, result.coefficient, coefficient);
   } else {
     result.p_two_sided = 2.0 * stats::normal_cdf(-std::abs(result.coefficient) / std::sqrt(null_variance(n)));

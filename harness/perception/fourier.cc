@@ -103,9 +103,9 @@ class Transform {
 
 // Half the cost of a transform is its table of sines: the lengths in use are kept.
 Transform& transform_of(std::size_t n) {
-  constexpr std::size_t kMost = 16;
+  constexpr std::size_t most = 16;
   static thread_local std::map<std::size_t, std::unique_ptr<Transform>> kept;
-  if (!kept.contains(n) && kept.size() >= kMost) kept.clear();
+  if (!kept.contains(n) && kept.size() >= most) kept.clear();
   std::unique_ptr<Transform>& found = kept[n];
   if (!found) found = std::make_unique<Transform>(n);
   return *found;

@@ -15,11 +15,11 @@
 namespace touchstone::perception {
 
 struct HapticImageOptions {
-  WeberLaw force_law = kFingertipForce;
-  double displacement_threshold_m = 0.0;       // the paper gives none
-  double sensor_dead_zone_N = 0.0;             // 0.6 N for the paper's pressure sensor; 0: none
-  double output_band_Hz = kFingerBandHigh_Hz;  // 0: no band
-  std::size_t rate_hardness_window = kRateHardnessWindow;
+  WeberLaw force_law = fingertip_force;
+  double displacement_threshold_m = 0.0;        // the paper gives none
+  double sensor_dead_zone_N = 0.0;              // 0.6 N for the paper's pressure sensor; 0: none
+  double output_band_Hz = finger_band_high_Hz;  // 0: no band
+  std::size_t rate_hardness_window = default_rate_hardness_window;
   // Rate-hardness is "a local characteristic on a small scale": of the series as measured, or after the output band.
   bool rate_hardness_in_band = false;
   double spectrum_limit_Hz = 25.0;

@@ -16,7 +16,7 @@ EigenPairs dense(const Eigen::MatrixXd& symmetric) {
 
 EigenPairs leading_eigenpairs(const Eigen::MatrixXd& symmetric, double share_of_trace) {
   const double trace = symmetric.trace();
-  if (symmetric.rows() <= kDenseUpTo || !(trace > 0.0)) return dense(symmetric);
+  if (symmetric.rows() <= dense_up_to || !(trace > 0.0)) return dense(symmetric);
   Spectra::DenseSymMatProd<double> product(symmetric);
   for (Eigen::Index wanted = 8; wanted <= symmetric.rows() / 6; wanted *= 4) {
     Spectra::SymEigsSolver<Spectra::DenseSymMatProd<double>> solver(product, wanted, 2 * wanted + 8);

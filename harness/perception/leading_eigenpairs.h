@@ -13,7 +13,7 @@ struct EigenPairs {
 };
 
 // Matrices with more rows than this are tried by Lanczos iterations first.
-inline constexpr Eigen::Index kDenseUpTo = 300;
+inline constexpr Eigen::Index dense_up_to = 300;
 
 // The values beyond the returned ones sum to trace() less theirs.
 EigenPairs leading_eigenpairs(const Eigen::MatrixXd& symmetric, double share_of_trace);

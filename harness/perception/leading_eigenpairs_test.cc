@@ -19,7 +19,7 @@ Eigen::MatrixXd rotated(const Eigen::VectorXd& values, std::uint64_t seed) {
 }
 
 TEST(LeadingEigenpairs, HoldTheShareAndAreThoseOfTheMatrix) {
-  const Eigen::Index n = kDenseUpTo + 40;
+  const Eigen::Index n = dense_up_to + 40;
   for (const double scale : {1e-6, 1.0, 1e6}) {
     // A few that matter over noise; one that decays slowly, so that many are needed; one of low rank.
     for (const char* kind : {"few", "many", "rank 3"}) {
@@ -54,8 +54,8 @@ TEST(LeadingEigenpairs, HoldTheShareAndAreThoseOfTheMatrix) {
 TEST(LeadingEigenpairs, SmallAndZeroMatricesGiveAllPairs) {
   const Eigen::VectorXd values{{3.0, 2.0, 1.0}};
   EXPECT_LT((leading_eigenpairs(rotated(values, 2), 0.1).values - values).norm(), 1e-14);
-  EXPECT_EQ(leading_eigenpairs(Eigen::MatrixXd::Zero(kDenseUpTo + 5, kDenseUpTo + 5), 0.9).values.size(),
-            kDenseUpTo + 5);
+  EXPECT_EQ(leading_eigenpairs(Eigen::MatrixXd::Zero(dense_up_to + 5, dense_up_to + 5), 0.9).values.size(),
+            dense_up_to + 5);
 }
 
 }  // namespace

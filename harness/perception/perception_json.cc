@@ -135,12 +135,12 @@ std::string evaluation_to_json(const PerceptualEvaluation& evaluation, const Sub
   for (std::size_t c = 0; c < evaluation.conditions.size(); ++c) {
     document["conditions"].push_back(condition(evaluation, evaluation.conditions[c], c + 1));
   }
-  document["methods"] = {method(evaluation, kPerceptionSpaceMethod)};
+  document["methods"] = {method(evaluation, perception_space_method)};
   for (const auto& own : statistical_methods()) document["methods"].push_back(method(evaluation, own.method));
   document["scalings"] = Json::array();
   const auto distances = distances_by_scaling(evaluation);
   for (std::size_t s = 0; s < distances.size(); ++s) {
-    document["scalings"].push_back({{"scaling", name_of(kFeatureScalings[s])},
+    document["scalings"].push_back({{"scaling", name_of(feature_scalings[s])},
                                     {"distances", numbers(distances[s])},
                                     {"ranking", ranking(evaluation, distances[s], false)}});
   }

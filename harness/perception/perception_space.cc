@@ -29,7 +29,7 @@ std::string_view name_of(FeatureScaling scaling) {
 
 FeatureScaling feature_scaling(std::string_view name) {
   std::string known;
-  for (const auto scaling : kFeatureScalings) {
+  for (const auto scaling : feature_scalings) {
     if (name == name_of(scaling)) return scaling;
     known += fmt::format("{}{}", known.empty() ? "" : ", ", name_of(scaling));
   }

@@ -24,7 +24,7 @@ enum class FeatureScaling {
   standardised,    // each column over its standard deviation among the conditions
   pooled_range,    // each feature over its largest magnitude in any condition
 };
-inline constexpr std::array kFeatureScalings{FeatureScaling::reference_norm, FeatureScaling::none,
+inline constexpr std::array feature_scalings{FeatureScaling::reference_norm, FeatureScaling::none,
                                              FeatureScaling::block_spread, FeatureScaling::standardised,
                                              FeatureScaling::pooled_range};
 std::string_view name_of(FeatureScaling scaling);

@@ -11,7 +11,7 @@
 #include "harness/perception/published_tables.h"
 
 namespace touchstone::perception {
-using published::kConditions;
+using published::published_conditions;
 
 namespace {
 
@@ -120,7 +120,7 @@ TEST(Scaling, EveryRuleDoesWhatItSays) {
   const auto standardised = rows(FeatureScaling::standardised);
   EXPECT_NEAR(std::abs(standardised(1, 0) - standardised(0, 0)), 2.0, 1e-12);
   EXPECT_EQ(standardised(1, 2), 0.0);  // the same in both: carries nothing
-  for (const auto scaling : kFeatureScalings) EXPECT_EQ(feature_scaling(name_of(scaling)), scaling);
+  for (const auto scaling : feature_scalings) EXPECT_EQ(feature_scaling(name_of(scaling)), scaling);
   EXPECT_THROW(feature_scaling("z-score"), UsageError);
 }
 
@@ -133,14 +133,14 @@ TEST(Scaling, UnitsDoNotMatterButForTheRuleNone) {
     return distances_to(scale_images(images, scaling).rows, 0);
   };
   std::vector<std::vector<double>> before;
-  for (const auto scaling : kFeatureScalings) before.push_back(distances(scaling));
+  for (const auto scaling : feature_scalings) before.push_back(distances(scaling));
   for (auto* image : {&real, &a, &b}) {
     for (double& value : image->blocks[1].values) value *= 1e-3;  // N/mm
   }
-  for (std::size_t s = 0; s < kFeatureScalings.size(); ++s) {
-    const auto after = distances(kFeatureScalings[s]);
+  for (std::size_t s = 0; s < feature_scalings.size(); ++s) {
+    const auto after = distances(feature_scalings[s]);
     const bool same = std::abs(after[1] - before[s][1]) < 1e-9 * before[s][1];
-    EXPECT_EQ(same, kFeatureScalings[s] != FeatureScaling::none) << name_of(kFeatureScalings[s]);
+    EXPECT_EQ(same, feature_scalings[s] != FeatureScaling::none) << name_of(feature_scalings[s]);
   }
 }
 
@@ -160,23 +160,23 @@ TEST(Scaling, FeaturesWithoutContentAreSaidAndDifferentOnesRefused) {
 // Table 2 of the paper is golden data for eq 21.
 TEST(PublishedTables, DistancesFollowFromTheCoordinates) {
   using namespace published;
-  Eigen::MatrixXd coordinates(kConditions.size() + 1, 3);
-  coordinates.row(0) = Eigen::Map<const Eigen::RowVector3d>(published::kRealCoordinates.data());
-  for (std::size_t i = 0; i < kConditions.size(); ++i) {
+  Eigen::MatrixXd coordinates(published_conditions.size() + 1, 3);
+  coordinates.row(0) = Eigen::Map<const Eigen::RowVector3d>(published::real_coordinates.data());
+  for (std::size_t i = 0; i < published_conditions.size(); ++i) {
     coordinates.row(static_cast<Eigen::Index>(i) + 1) =
-        Eigen::Map<const Eigen::RowVector3d>(kConditions[i].coordinates.data());
+        Eigen::Map<const Eigen::RowVector3d>(published_conditions[i].coordinates.data());
   }
   const auto distances = distances_to(coordinates, 0);
   // Coordinates are printed to 1e-4: each difference is off by 1e-4 at most, the distance by sqrt(3) of that, and its
   // own printing by half a digit.
   const double bound = std::sqrt(3.0) * 1e-4 + 0.5e-4;
-  for (std::size_t i = 0; i < kConditions.size(); ++i) {
-    const bool misprint = kConditions[i].device == "Touch X" && kConditions[i].linear;
+  for (std::size_t i = 0; i < published_conditions.size(); ++i) {
+    const bool misprint = published_conditions[i].device == "Touch X" && published_conditions[i].linear;
     if (misprint) {
-      EXPECT_GT(std::abs(distances[i + 1] - kConditions[i].distance), 5.0 * bound) << "the printed 3.7397";
-      EXPECT_NEAR(distances[i + 1], published::kTouchXLinearDistanceInText, bound);
+      EXPECT_GT(std::abs(distances[i + 1] - published_conditions[i].distance), 5.0 * bound) << "the printed 3.7397";
+      EXPECT_NEAR(distances[i + 1], published::touch_x_linear_distance_in_text, bound);
     } else {
-      EXPECT_NEAR(distances[i + 1], kConditions[i].distance, bound) << kConditions[i].device;
+      EXPECT_NEAR(distances[i + 1], published_conditions[i].distance, bound) << published_conditions[i].device;
     }
   }
   EXPECT_TRUE(std::is_sorted(distances.begin(), distances.end()));  // the table says it is sorted by distance
@@ -188,7 +188,7 @@ TEST(PublishedTables, RelativeSimilaritiesOfFigure13) {
   std::vector<double> euclidean;
   std::vector<double> correlation;
   std::vector<double> space;
-  for (const auto& c : kConditions) {
+  for (const auto& c : published_conditions) {
     euclidean.push_back(c.euclidean);
     correlation.push_back(c.pearson);
     space.push_back(c.distance);

@@ -58,7 +58,7 @@ const std::vector<StatisticalMethod>& statistical_methods() {
 
 namespace {
 
-constexpr std::array<std::size_t, 4> kWindows{5, 10, 20, 40};  // figure 8
+constexpr std::array<std::size_t, 4> window_sizes{5, 10, 20, 40};  // figure 8
 
 // Cuts every column to the first `count` samples.
 void cut(HapticDataMatrix& matrix, std::size_t count) {
@@ -84,10 +84,10 @@ double span_s(const std::vector<PressSignal>& parts) {
 
 // Force across the direction of pressing, which the data matrix has no column for.
 std::string sideways_remark(const std::vector<PressSignal>& parts, const std::string& who) {
-  constexpr double kWorthSaying = 0.05;  // of the force along it: its direction is then known no better
+  constexpr double worth_saying = 0.05;  // of the force along it: its direction is then known no better
   for (const auto& part : parts) {
     const double along_N = stats::root_mean_square(part.force_N);
-    if (part.sideways_N > kFingertipForce.absolute_threshold && part.sideways_N > kWorthSaying * along_N) {
+    if (part.sideways_N > fingertip_force.absolute_threshold && part.sideways_N > worth_saying * along_N) {
       return fmt::format(
           "{}: {:.3g} N root mean square lie across the direction of pressing ({:.3g} N along it); this "
           "method compares the force along it alone",
@@ -249,7 +249,7 @@ std::size_t compare_all(PerceptualEvaluation& result, const HapticDataMatrix& re
 
 std::vector<double> PerceptualEvaluation::values(std::string_view method) const {
   std::vector<double> result;
-  if (method == kPerceptionSpaceMethod.name) {
+  if (method == perception_space_method.name) {
     for (const auto& c : conditions) result.push_back(c.distance);
     return result;
   }
@@ -277,7 +277,7 @@ PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::v
   HapticDataMatrix reference = make_haptic_data_matrix(real, options.matrix);
   result.rate_Hz = reference.rate_Hz;
   const double real_s = span_s(real);
-  const bool keep = conditions.size() <= kKeepSeriesUpTo;
+  const bool keep = conditions.size() <= keep_series_up_to;
   // The shortest condition decides how much is compared. Whether one is shorter shows while they are loaded: then all
   // is done once more over that length, rather than loading everything twice every time.
   std::size_t common = reference.size();
@@ -299,7 +299,7 @@ PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::v
   result.samples = common;
   const std::vector<double>& real_N = reference.parts.front().force_N;
   std::vector<std::size_t> windows;
-  std::copy_if(kWindows.begin(), kWindows.end(), std::back_inserter(windows),
+  std::copy_if(window_sizes.begin(), window_sizes.end(), std::back_inserter(windows),
                [&](std::size_t w) { return 4 * w < common; });
   result.windows = window_trade_off(real_N, reference.parts.front().displacement_m, result.rate_Hz, windows);
 
@@ -339,9 +339,9 @@ std::vector<double> distances_with_scaling(const PerceptualEvaluation& evaluatio
 }
 
 std::vector<std::vector<double>> distances_by_scaling(const PerceptualEvaluation& evaluation) {
-  std::vector<std::vector<double>> result(kFeatureScalings.size());
+  std::vector<std::vector<double>> result(feature_scalings.size());
   const auto fill = [&](std::size_t s) {
-    result[s] = distances_with_scaling(evaluation, kFeatureScalings[s], evaluation.explained_share_wanted);
+    result[s] = distances_with_scaling(evaluation, feature_scalings[s], evaluation.explained_share_wanted);
   };
   in_parallel(result.size(), fill, 1);
   return result;

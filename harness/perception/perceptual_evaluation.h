@@ -38,9 +38,9 @@ struct StatisticalMethod {
   Method method{};
   std::optional<double> (*value)(const ComparedSeries& series) = nullptr;  // nothing where it is undefined
 };
-// The explicit catalogue of statistics; the perception space itself is kPerceptionSpaceMethod.
+// The explicit catalogue of statistics; the perception space itself is perception_space_method.
 const std::vector<StatisticalMethod>& statistical_methods();
-inline constexpr Method kPerceptionSpaceMethod{"perception-space", "distance in perception space (eq 21)", "1", false};
+inline constexpr Method perception_space_method{"perception-space", "distance in perception space (eq 21)", "1", false};
 
 struct EvaluationOptions {
   HapticImageOptions image;
@@ -94,7 +94,7 @@ struct ConditionSource {
 };
 
 // Series are kept for pictures up to this many conditions.
-inline constexpr std::size_t kKeepSeriesUpTo = 24;
+inline constexpr std::size_t keep_series_up_to = 24;
 
 // Throws BadData, naming the condition, for input that cannot be compared (see make_haptic_data_matrix), no condition,
 // or two conditions of one name; UsageError for options that are below zero or not finite.
@@ -105,7 +105,7 @@ PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::v
 std::vector<double> distances_with_scaling(const PerceptualEvaluation& evaluation, FeatureScaling scaling,
                                            double explained_share);
 
-// The same under every rule, in the order of kFeatureScalings.
+// The same under every rule, in the order of feature_scalings.
 std::vector<std::vector<double>> distances_by_scaling(const PerceptualEvaluation& evaluation);
 
 // Pairs of conditions that perception space and a statistic order differently, with the feature that decides in the
@@ -121,8 +121,8 @@ struct Disagreements {
   std::size_t of = 0;
   std::vector<Disagreement> most;  // those whose ranks differ most, that first
 };
-inline constexpr std::size_t kDisagreementsTold = 100;
+inline constexpr std::size_t disagreements_told = 100;
 Disagreements disagreements(const PerceptualEvaluation& evaluation, std::string_view statistic,
-                            std::size_t told = kDisagreementsTold);
+                            std::size_t told = disagreements_told);
 
 }  // namespace touchstone::perception

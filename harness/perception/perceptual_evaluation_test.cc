@@ -181,7 +181,7 @@ TEST(PerceptualEvaluation, ScalingsAndDisagreements) {
   // The clipped spring errs much where the force is high; the quadratic one is nearer in newtons but feels different.
   const auto result =
       evaluate(real, {source("clipped", {.ceiling_N = 3.0}), source("quadratic", {.exponent = 2.0})}, {});
-  for (const auto scaling : kFeatureScalings) {
+  for (const auto scaling : feature_scalings) {
     const auto distances = distances_with_scaling(result, scaling, 0.9);
     ASSERT_EQ(distances.size(), 2u);
     if (scaling == result.scaling) {

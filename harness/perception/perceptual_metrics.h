@@ -22,7 +22,7 @@ namespace touchstone::perception {
 // Results: rms_force_error_jnd, max_force_error_jnd [JND], noticeable_share [1], felt_squared_error [JND^2] (eq 9).
 class NoticeableForceError final : public metrics::Metric {
  public:
-  explicit NoticeableForceError(const WeberLaw& law = kFingertipForce);
+  explicit NoticeableForceError(const WeberLaw& law = fingertip_force);
   void add(const metrics::MetricSample& sample) override;
   [[nodiscard]] std::vector<metrics::MetricResult> results() override;
 

@@ -14,8 +14,8 @@ struct Device {
   double stiffness_N_per_mm;
   double resolution_mm;
 };
-inline constexpr std::array kDevices{Device{"Omega.7", 12.0, 14.5, 0.01}, Device{"Touch X", 7.9, 1.86, 0.023},
-                                     Device{"Touch", 3.3, 1.26, 0.055}};
+inline constexpr std::array devices{Device{"Omega.7", 12.0, 14.5, 0.01}, Device{"Touch X", 7.9, 1.86, 0.023},
+                                    Device{"Touch", 3.3, 1.26, 0.055}};
 
 // Table 2 and table 3, conditions in one order.
 struct Condition {
@@ -28,8 +28,8 @@ struct Condition {
   double euclidean_filtered;
   double pearson_filtered;
 };
-inline constexpr std::array<double, 3> kRealCoordinates{0.9280, 4.4891, -2.7224};
-inline constexpr std::array kConditions{
+inline constexpr std::array<double, 3> real_coordinates{0.9280, 4.4891, -2.7224};
+inline constexpr std::array published_conditions{
     Condition{"Omega.7", true, {1.3232, 1.6353, -4.9262}, 3.6273, 7.3078, 0.9664, 8.0194, 0.9526},
     Condition{"Touch X", true, {1.0800, 1.0796, -4.2468}, 3.7397, 7.7797, 0.9649, 8.8416, 0.9497},
     Condition{"Touch", true, {0.8210, 0.0836, -3.0685}, 4.4204, 8.6782, 0.9595, 9.1567, 0.9317},
@@ -38,6 +38,6 @@ inline constexpr std::array kConditions{
     Condition{"Omega.7", false, {-5.0980, 0.7248, -3.6258}, 7.1624, 10.6449, 0.9144, 9.8345, 0.9041}};
 // The text under table 2 gives 3.7379 for Touch X with the linear spring, and so do the coordinates: 3.7397 is a
 // misprint.
-inline constexpr double kTouchXLinearDistanceInText = 3.7379;
+inline constexpr double touch_x_linear_distance_in_text = 3.7379;
 
 }  // namespace touchstone::perception::published

@@ -51,7 +51,7 @@ SubjectiveComparison compare_with_people(const PerceptualEvaluation& evaluation,
     result.agreement.push_back(agree(std::string(method.name), evaluation.values(method.name), method.larger_is_better,
                                      result.bradley_terry.value));
   };
-  add(kPerceptionSpaceMethod);
+  add(perception_space_method);
   for (const auto& method : statistical_methods()) add(method.method);
   return result;
 }

@@ -7,7 +7,7 @@
 
 namespace touchstone::pipeline {
 
-inline constexpr double kErrorBin_s = 0.1;
+inline constexpr double error_bin_s = 0.1;
 
 struct BinnedErrors {
   std::vector<double> squares_N2;      // sum of |f_rendered - f_measured|^2 by bin
@@ -20,7 +20,7 @@ struct BinnedErrors {
 // Takes the samples in the order of time.
 class ErrorBinner {
  public:
-  explicit ErrorBinner(double bin_s = kErrorBin_s) : bin_s_(bin_s) {}
+  explicit ErrorBinner(double bin_s = error_bin_s) : bin_s_(bin_s) {}
   void add(double t_s, double squared_N2);
   [[nodiscard]] const BinnedErrors& errors() const noexcept { return errors_; }
 

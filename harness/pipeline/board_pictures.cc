@@ -14,17 +14,17 @@ namespace touchstone::pipeline {
 namespace {
 
 // Sizes in units of the picture, which is as wide as the column that it stands in.
-constexpr double kWidth = 640.0;
-constexpr double kValues = 112.0;     // column of the values
-constexpr double kCharacter = 11.6;   // of a letter at the size that a phone gets (site_assets.h), 19
-constexpr std::size_t kLongest = 20;  // letters of a name; longer ones are shortened
-constexpr double kRow = 26.0;
-constexpr double kTop = 30.0;
+constexpr double width = 640.0;
+constexpr double printed_values = 112.0;  // column of the values
+constexpr double character = 11.6;        // of a letter at the size that a phone gets (site_assets.h), 19
+constexpr std::size_t longest_name = 20;  // letters of a name; longer ones are shortened
+constexpr double row = 26.0;
+constexpr double top = 30.0;
 
 // Letters of UTF-8 are not cut apart.
 std::string short_name(const std::string& name) {
-  if (name.size() <= kLongest) return name;
-  std::size_t end = kLongest - 1;
+  if (name.size() <= longest_name) return name;
+  std::size_t end = longest_name - 1;
   while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) --end;
   return name.substr(0, end) + "\u2026";
 }
@@ -61,7 +61,7 @@ std::string picture_of(double height, const std::string& label, const std::strin
   return fmt::format(
       "<svg class=\"picture\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {:.0f} {:.0f}\" "
       "xmlns=\"http://www.w3.org/2000/svg\">\n{}</svg>\n",
-      escape_html(label), kWidth, height, body);
+      escape_html(label), width, height, body);
 }
 
 // `groups` of places in `bars`.
@@ -81,28 +81,28 @@ std::string bars_picture(const std::string& label, const std::vector<Bar>& bars,
   const double room = 9.0 * static_cast<double>(groups.size());
   std::size_t longest = 0;
   for (const Bar& bar : bars) longest = std::max(longest, short_name(bar.name).size());
-  const double names = 14.0 + kCharacter * static_cast<double>(std::max<std::size_t>(longest, 10));
-  const LogAxis axis{low / 1.1, high * 1.1, names, kWidth - kValues - room};
-  const double bottom = kTop + kRow * static_cast<double>(bars.size());
+  const double names = 14.0 + character * static_cast<double>(std::max<std::size_t>(longest, 10));
+  const LogAxis axis{low / 1.1, high * 1.1, names, width - printed_values - room};
+  const double bottom = top + row * static_cast<double>(bars.size());
   std::string body;
   for (const Mark& mark : marks) {
     const double x = axis.at(mark.value);
-    body += line_at(x, kTop - 6.0, x, bottom, mark.style);
-    body += text_at(std::clamp(x, names + 40.0, kWidth - kValues), kTop - 12.0, "middle", mark.name);
+    body += line_at(x, top - 6.0, x, bottom, mark.style);
+    body += text_at(std::clamp(x, names + 40.0, width - printed_values), top - 12.0, "middle", mark.name);
   }
   for (std::size_t i = 0; i < bars.size(); ++i) {
-    const double y = kTop + kRow * (static_cast<double>(i) + 0.5);
+    const double y = top + row * (static_cast<double>(i) + 0.5);
     body += text_at(names - 10.0, y + 4.0, "end", short_name(bars[i].name));
     body += line_at(axis.from, y, axis.to, y, "grid");
     if (bars[i].low > 0.0 && bars[i].high > bars[i].low)
       body += line_at(axis.at(bars[i].low), y, axis.at(bars[i].high), y, "interval");
     body += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" class=\"dot\"/>\n", axis.at(bars[i].value), y);
-    body += text_at(kWidth - 4.0, y + 4.0, "end", report::display_quantity(bars[i].value, "N"));
+    body += text_at(width - 4.0, y + 4.0, "end", report::display_quantity(bars[i].value, "N"));
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const double x = axis.to + 6.0 + 9.0 * static_cast<double>(g);
-    body += line_at(x, kTop + kRow * static_cast<double>(groups[g].first) + 6.0, x,
-                    kTop + kRow * static_cast<double>(groups[g].second + 1) - 6.0, "group");
+    body += line_at(x, top + row * static_cast<double>(groups[g].first) + 6.0, x,
+                    top + row * static_cast<double>(groups[g].second + 1) - 6.0, "group");
   }
   return picture_of(bottom + 8.0, label, body);
 }
@@ -154,7 +154,7 @@ std::string pareto_picture(const Overall& overall) {
   const auto [few, many] = std::ranges::minmax(shown, {}, operations);
   const auto [small, large] = std::ranges::minmax(shown, {}, error);
   constexpr double height = 320.0;
-  const LogAxis x{operations(few) / 1.3, operations(many) * 1.3, kValues, kWidth - 90.0};
+  const LogAxis x{operations(few) / 1.3, operations(many) * 1.3, printed_values, width - 90.0};
   const LogAxis y{error(small) / 1.15, error(large) * 1.15, height - 50.0, 20.0};
   std::string body = line_at(x.from, y.from, x.to, y.from, "axis") + line_at(x.from, y.from, x.from, y.to, "axis");
   body += text_at(0.5 * (x.from + x.to), height - 8.0, "middle", "operations of a step");

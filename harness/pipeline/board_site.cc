@@ -153,7 +153,7 @@ std::string site_html(const Board& board, const SiteNotes& notes) {
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>{}</style></head>\n<body><main>\n"
       "<h1>{}</h1>\n",
-      escape_html(board.title), kSiteStyle, escape_html(board.title));
+      escape_html(board.title), site_style, escape_html(board.title));
   if (board.tasks.size() > 1) {
     out += "<nav>";
     if (board.overall) out += "<a href=\"#overall\">All recordings</a>";
@@ -165,7 +165,7 @@ std::string site_html(const Board& board, const SiteNotes& notes) {
   out += changes_section(notes);
   for (std::size_t i = 0; i < board.tasks.size(); ++i) out += task_section(board.tasks[i], i);
   out += foot(board, notes);
-  out += fmt::format("</main>\n<script>{}</script></body></html>\n", kSiteScript);
+  out += fmt::format("</main>\n<script>{}</script></body></html>\n", site_script);
   return out;
 }
 

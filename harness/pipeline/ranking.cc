@@ -18,11 +18,11 @@
 namespace touchstone::pipeline {
 namespace {
 
-constexpr double kRounding = 1e-12;  // of a log ratio or share: errors equal but for the order of summation
+constexpr double rounding = 1e-12;  // of a log ratio or share: errors equal but for the order of summation
 
 // Of the level; see ranking.h.
-constexpr double kShareWithinRecordings = 1.0 / 3.0;
-constexpr double kShareOverDatasets = 0.8;
+constexpr double share_within_recordings = 1.0 / 3.0;
+constexpr double share_over_datasets = 0.8;
 
 // Running sums of the bins of one data set, twice around, so that a circular block is a difference of two.
 struct RunningSums {
@@ -146,7 +146,7 @@ void test_over_datasets(const std::vector<RunningSums>& sums, PairOfRenderers& p
   for (const double one : ratios) squares += (one - mean) * (one - mean);
   const double standard_error = std::sqrt(squares / (n * (n - 1.0)));
   pair.degrees = n - 1.0;
-  if (!(std::abs(mean) > kRounding)) return;
+  if (!(std::abs(mean) > rounding)) return;
   // Equal to rounding on every data set: nothing is more certain than p = 0.
   pair.t = mean / std::max(standard_error, 1e-12 * std::abs(mean));
   pair.p = stats::student_p(pair.t, pair.degrees);
@@ -182,7 +182,7 @@ void test_within_recordings(const std::vector<DatasetErrors>& datasets, PairOfRe
   for (const DatasetErrors& errors : datasets) {
     const std::vector<double> differences = paired_differences(errors[pair.better], errors[pair.other]);
     if (differences.empty()) {
-      degrees += stats::kFewestDegrees;
+      degrees += stats::fewest_degrees;
       continue;
     }
     const stats::SeriesMean own = stats::series_mean(differences);
@@ -195,7 +195,7 @@ void test_within_recordings(const std::vector<DatasetErrors>& datasets, PairOfRe
   }
   pair.degrees = variance > 0.0 ? variance * variance / by_degrees : degrees;
   // Smaller in most stretches of time, but not in all together, or the other way round.
-  if (!(std::abs(mean) > kRounding) || (mean > 0.0) != (pair.log_ratio > 0.0)) return;
+  if (!(std::abs(mean) > rounding) || (mean > 0.0) != (pair.log_ratio > 0.0)) return;
   pair.t = mean / std::max(std::sqrt(variance), 1e-9 * std::abs(mean));
   pair.p = stats::student_p(pair.t, pair.degrees);
 }
@@ -213,7 +213,7 @@ void judge_pairs(const std::vector<DatasetErrors>& datasets, const std::vector<R
     tested = tested || pair.degrees > 0.0;
     p.push_back(pair.p);
   }
-  const double share = ranking.datasets_resampled ? kShareOverDatasets : kShareWithinRecordings;
+  const double share = ranking.datasets_resampled ? share_over_datasets : share_within_recordings;
   const auto verdicts = stats::judge_all_pairs(p, ranking.order.size(), share * level);
   for (std::size_t i = 0; i < p.size(); ++i) {
     ranking.pairs[i].level = verdicts[i].level;
@@ -222,7 +222,7 @@ void judge_pairs(const std::vector<DatasetErrors>& datasets, const std::vector<R
   if (tested || p.empty()) return;
   ranking.why_not =
       fmt::format("the recording is too short, or its errors are correlated over too long ({} stretches of {} s)",
-                  sums.front().bins, kErrorBin_s);
+                  sums.front().bins, error_bin_s);
 }
 
 void make_groups(Ranking& ranking) {
@@ -275,7 +275,7 @@ bool Ranking::told_apart(std::size_t one, std::size_t other) const {
 Ranking rank_renderers(const std::vector<DatasetErrors>& datasets, const RankingOptions& options) {
   check_errors(datasets);
   Ranking ranking;
-  ranking.datasets_resampled = datasets.size() >= kFewestSampled;
+  ranking.datasets_resampled = datasets.size() >= fewest_sampled;
   std::vector<RunningSums> sums;
   for (const DatasetErrors& errors : datasets) {
     ranking.block_bins.push_back(bins_of_a_block(errors));

@@ -4,7 +4,7 @@
 // does not outweigh the others. All renderers saw the same recording, so of two of them the paired difference is
 // tested: what is hard for everybody cancels.
 //
-//  - Of one recording, and of fewer than `kFewestSampled`: the mean over bins of time of
+//  - Of one recording, and of fewer than `fewest_sampled`: the mean over bins of time of
 //      (|e_a| - |e_b|) / (sqrt(e_a^2 + e_b^2) + 0.3 e),
 //    with the RMS errors e_a, e_b in the bin and e of both in all bins. Bins in which both errors are equal, as
 //    in free air, say nothing and are left out. Differences in shares of the error at hand, so that hard presses and
@@ -13,7 +13,7 @@
 //    error must be smaller. Equal renderers are two of which by chance alone the one or the other errs more in a
 //    stretch of time; what is told apart is so for more seconds of this scan. Not covered: renderers with the same RMS
 //    error, of which one errs steadily and the other in snags; these do differ, and may be told apart.
-//  - Of `kFewestSampled` and more: Student's t of the log ratios, one number per data set, which are a sample of
+//  - Of `fewest_sampled` and more: Student's t of the log ratios, one number per data set, which are a sample of
 //    objects and recordings (Demsar, JMLR 7, 2006, section 3.1.1). The result is about others like these
 //    (`datasets_resampled`). Rank tests, which need no normal law, cannot tell any pair apart here: of eight data sets
 //    the smallest p of Wilcoxon's is 0.008, and 36 pairs of nine renderers need 0.0014.
@@ -39,7 +39,7 @@
 
 namespace touchstone::pipeline {
 
-inline constexpr std::size_t kFewestSampled = 5;  // a spread from fewer says hardly anything
+inline constexpr std::size_t fewest_sampled = 5;  // a spread from fewer says hardly anything
 
 struct RankingOptions {
   double level = 0.05;  // chance of one false statement on a board

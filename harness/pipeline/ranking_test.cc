@@ -12,7 +12,7 @@ namespace {
 // At most 5 % of 200 boards of equal renderers may show any difference: on eight data sets that suit one renderer or
 // the other at random, on two, and on one recording alone of 24 s and of a minute.
 TEST(Ranking, EqualRenderersAreNotRanked) {
-  for (const std::string_view kind : kErrorKinds) {
+  for (const std::string_view kind : error_kinds) {
     for (const std::size_t renderers : {2, 9}) {
       const std::vector<double> equal(renderers, 0.1);
       EXPECT_LE(count_boards(kind, equal, 8, 240, 0.05, 1).with_a_difference, 10u) << kind << ' ' << renderers;

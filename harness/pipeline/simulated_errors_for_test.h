@@ -19,7 +19,7 @@ namespace touchstone::pipeline {
 // strokes: strokes of 1.2 to 2.8 s with pauses in free air, where nobody errs; each stroke suits one or the other.
 // snags: a small steady error, and about four times in a recording a large one for 0.3 to 1.1 s.
 // wander: a common part and a slow one (correlated over 4 s) of each renderer's own.
-inline constexpr std::array<std::string_view, 6> kErrorKinds{"half-second", "two-seconds", "own",
+inline constexpr std::array<std::string_view, 6> error_kinds{"half-second", "two-seconds", "own",
                                                              "strokes",     "snags",       "wander"};
 
 class Correlated {

@@ -6,7 +6,7 @@
 namespace touchstone::pipeline {
 
 // Colours of Okabe and Ito, which the colour-blind tell apart. Below 600 px a row of a table is a card.
-inline constexpr std::string_view kSiteStyle = R"css(
+inline constexpr std::string_view site_style = R"css(
 :root{--ink:#1b1f24;--soft:#5d6670;--line:#d5dae0;--back:#fff;--card:#f6f8fa;--blue:#0072b2;--orange:#d55e00;--green:#009e73}
 @media (prefers-color-scheme:dark){:root{--ink:#e6e9ed;--soft:#9aa4af;--line:#39424c;--back:#14181d;--card:#1d232a;--blue:#56b4e9;--orange:#e69f00;--green:#2fc79c}}
 *{box-sizing:border-box}
@@ -37,7 +37,7 @@ td::before{content:attr(data-label);color:var(--soft);text-align:left}td:nth-chi
 )css";
 
 // A click on a head sorts by its column, a second one the other way round; rows without a number stay last.
-inline constexpr std::string_view kSiteScript = R"js(
+inline constexpr std::string_view site_script = R"js(
 'use strict';
 for (const table of document.querySelectorAll('table')) {
   const heads = [...table.querySelectorAll('th')];

@@ -18,10 +18,10 @@
 namespace touchstone::plugin {
 namespace {
 
-constexpr int kMemoryFd = 3;
-constexpr int kLifelineFd = 4;
+constexpr int memory_fd = 3;
+constexpr int lifeline_fd = 4;
 // How long a child may take to end when asked to.
-constexpr std::chrono::milliseconds kPatience{500};
+constexpr std::chrono::milliseconds patience{500};
 
 // A copy above the numbers that the child uses, so that handing one over does not close another.
 OwnedFd out_of_the_way(int fd) { return OwnedFd(::fcntl(fd, F_DUPFD_CLOEXEC, 10)); }
@@ -63,8 +63,8 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
 
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_adddup2(&actions, shared.get(), kMemoryFd);
-  ::posix_spawn_file_actions_adddup2(&actions, listening.get(), kLifelineFd);
+  ::posix_spawn_file_actions_adddup2(&actions, shared.get(), memory_fd);
+  ::posix_spawn_file_actions_adddup2(&actions, listening.get(), lifeline_fd);
   // A plug-in's own words must not stand among results.
   ::posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
   const int error = ::posix_spawn(&pid_, name.c_str(), &actions, nullptr, words.data(), environ);
@@ -79,7 +79,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
 ChildProcess::~ChildProcess() {
   lifeline_.reset();
   const auto begin = std::chrono::steady_clock::now();
-  while (!ended() && std::chrono::steady_clock::now() - begin < kPatience) {
+  while (!ended() && std::chrono::steady_clock::now() - begin < patience) {
     std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
   kill();

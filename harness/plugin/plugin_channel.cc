@@ -14,7 +14,7 @@ namespace {
 // Longer than a usual step and the way of a word from one processor to another. Not much longer: where other programs
 // want the processors too, one that looks keeps the one it waits for from running (bench_plugin with both processors
 // busy: 1.7 us a step at 5 us, 45 us and more at 20 us and above).
-constexpr std::chrono::microseconds kLooking{5};
+constexpr std::chrono::microseconds looking{5};
 
 // On one processor the other side cannot work while this one looks.
 bool may_look() noexcept {
@@ -68,7 +68,7 @@ bool Doorbell::await(std::uint32_t seen, std::chrono::nanoseconds limit) noexcep
         if (count.load(std::memory_order_acquire) != seen) return true;
         relax();
       }
-    } while (Clock::now() - begin < std::min<std::chrono::nanoseconds>(kLooking, limit));
+    } while (Clock::now() - begin < std::min<std::chrono::nanoseconds>(looking, limit));
   }
   for (;;) {
     const auto left = limit - (Clock::now() - begin);

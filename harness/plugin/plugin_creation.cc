@@ -24,7 +24,7 @@ touchstone2_mesh mesh_of(const TriangleMesh& mesh) {
 PluginCreation::PluginCreation(const PluginDescription& description, std::uint32_t index, const Parameters& parameters,
                                std::shared_ptr<const TriangleMesh> object_W)
     : object_W_(std::move(object_W)) {
-  bodies_ = {{sizeof(touchstone2_body), 0, "object", mesh_of(*object_W_), kIdentityPose}};
+  bodies_ = {{sizeof(touchstone2_body), 0, "object", mesh_of(*object_W_), identity_pose}};
   set_model(description, index, parameters);
 }
 

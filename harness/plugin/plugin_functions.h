@@ -37,6 +37,6 @@ std::unique_ptr<PluginFunctions> plugin_functions_1(const std::filesystem::path&
 std::unique_ptr<PluginFunctions> plugin_functions_2(const std::filesystem::path& library, const FindSymbol& find);
 
 // More than any library has; one that describes more is not believed.
-inline constexpr std::uint32_t kMostPluginRenderers = 1000;
+inline constexpr std::uint32_t most_plugin_renderers = 1000;
 
 }  // namespace touchstone::plugin

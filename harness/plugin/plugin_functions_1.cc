@@ -34,7 +34,7 @@ class Functions1 final : public PluginFunctions {
 
   std::vector<PluginDescription> describe() override {
     std::vector<PluginDescription> out;
-    for (std::uint32_t i = 0; i < kMostPluginRenderers; ++i) {
+    for (std::uint32_t i = 0; i < most_plugin_renderers; ++i) {
       const touchstone_description* const one = describe_(i);
       if (one == nullptr) break;
       check_size(library_, "touchstone_description", one->description_size, sizeof(touchstone_description));

@@ -23,7 +23,7 @@ class Functions2 final : public PluginFunctions {
 
   std::vector<PluginDescription> describe() override {
     std::vector<PluginDescription> out;
-    for (std::uint32_t i = 0; i < kMostPluginRenderers; ++i) {
+    for (std::uint32_t i = 0; i < most_plugin_renderers; ++i) {
       const touchstone2_description* const one = describe_(i);
       if (one == nullptr) break;
       // A later header has more at its end, which is not looked at; less has never been.

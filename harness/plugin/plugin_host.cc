@@ -24,15 +24,15 @@ namespace {
 using namespace touchstone;
 using namespace touchstone::plugin;
 
-constexpr int kMemoryFd = 3;
-constexpr int kLifelineFd = 4;
-constexpr int kUsage = 2;
+constexpr int memory_fd = 3;
+constexpr int lifeline_fd = 4;
+constexpr int usage_status = 2;
 
 // A plug-in that hangs must not outlive the program.
 void end_with_the_program() {
   std::thread([] {
     char nothing = 0;
-    while (::read(kLifelineFd, &nothing, 1) > 0) {
+    while (::read(lifeline_fd, &nothing, 1) > 0) {
     }
     ::_exit(0);
   }).detach();
@@ -40,9 +40,9 @@ void end_with_the_program() {
 
 std::byte* map_memory(std::size_t& size) {
   struct stat status {};
-  if (::fstat(kMemoryFd, &status) != 0) return nullptr;
+  if (::fstat(memory_fd, &status) != 0) return nullptr;
   size = static_cast<std::size_t>(status.st_size);
-  void* const mapped = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, kMemoryFd, 0);
+  void* const mapped = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, memory_fd, 0);
   return mapped == MAP_FAILED ? nullptr : static_cast<std::byte*>(mapped);
 }
 
@@ -183,7 +183,7 @@ int main(int argc, char** argv) {
   if (memory == nullptr) {
     std::fputs("touchstone-plugin-host: started by touchstone to run a plug-in (--plugin); of no use by itself\n",
                stderr);
-    return kUsage;
+    return usage_status;
   }
   end_with_the_program();
   if (task == "run") serve(memory);

@@ -10,7 +10,7 @@
 namespace touchstone::plugin {
 namespace {
 
-constexpr const char* kThrew = "a C++ exception left the plug-in; catch it inside and return an error";
+constexpr const char* threw = "a C++ exception left the plug-in; catch it inside and return an error";
 
 }  // namespace
 
@@ -81,7 +81,7 @@ PluginHandle PluginLibrary::create(const touchstone2_creation& creation, std::st
     if (made == nullptr) why = error(nullptr);
     return made;
   } catch (...) {
-    why = kThrew;
+    why = threw;
     return nullptr;
   }
 }
@@ -118,7 +118,7 @@ std::string PluginLibrary::error(PluginHandle renderer) const {
     return text == nullptr || *text == '\0' ? "it gives no reason (a C++ exception, or no text of its error function)"
                                             : text;
   } catch (...) {
-    return kThrew;
+    return threw;
   }
 }
 

@@ -22,8 +22,8 @@ using rendering::RendererFailed;
 namespace {
 
 // How often a waiting program looks whether the child still lives.
-constexpr std::chrono::milliseconds kLookAfter{5};
-constexpr std::chrono::milliseconds kLastWait{1000};
+constexpr std::chrono::milliseconds look_after{5};
+constexpr std::chrono::milliseconds last_wait{1000};
 constexpr std::size_t most_described = std::size_t{1} << 20;
 
 // Finds places in memory that is not there yet, and fills it.
@@ -116,7 +116,7 @@ class InChild final : public PluginConnection {
 
   ~InChild() override {
     // A failure here has no run left to spoil; the child is ended in any case.
-    if (!failed_) ask(PluginRequest::destroy, kLastWait);
+    if (!failed_) ask(PluginRequest::destroy, last_wait);
   }
   InChild(const InChild&) = delete;
   InChild& operator=(const InChild&) = delete;
@@ -160,7 +160,7 @@ class InChild final : public PluginConnection {
     channel_.request = request;
     const std::uint32_t before = channel_.answered.count.load(std::memory_order_acquire);
     channel_.asked.ring();
-    if (!channel_.answered.await(before, kLookAfter) && !await_long(before, limit)) return false;
+    if (!channel_.answered.await(before, look_after) && !await_long(before, limit)) return false;
     failed_ = channel_.outcome != PluginOutcome::good;
     return !failed_;
   }
@@ -171,7 +171,7 @@ class InChild final : public PluginConnection {
     do {
       const bool ended = child_.ended();
       // The end may follow the answer: looked at last.
-      if (channel_.answered.await(before, kLookAfter)) return true;
+      if (channel_.answered.await(before, look_after)) return true;
       if (ended) {
         failed_ = died_ = true;
         return false;

@@ -28,7 +28,7 @@ StepResult PluginRenderer::do_step(const rendering::TipState& tip) noexcept {
 PluginSceneRenderer::PluginSceneRenderer(PluginRun run, std::shared_ptr<const rendering::BodyScene> scene)
     : run_(std::move(run)),
       scene_(std::move(scene)),
-      poses_(scene_->bodies.size(), kIdentityPose),
+      poses_(scene_->bodies.size(), identity_pose),
       segments_(scene_->bodies.size(), 0) {}
 
 void PluginSceneRenderer::do_reset() {

@@ -26,7 +26,7 @@ class PluginRun {
                                  std::span<const touchstone2_pose> bodies) noexcept;
   // One body, whose frame is that of the world.
   const touchstone2_result* step(double t_s, const touchstone2_pose& tip) noexcept {
-    return step(t_s, tip, {&kIdentityPose, 1});
+    return step(t_s, tip, {&identity_pose, 1});
   }
   [[nodiscard]] std::string failure() const;
 

@@ -16,9 +16,9 @@ namespace {
 class PluginToolRenderer final : public tool::ToolRenderer {
  public:
   // What a result lists of its contacts; the wrench counts them all.
-  static constexpr std::size_t kMostContacts = 512;
+  static constexpr std::size_t most_contacts = 512;
 
-  explicit PluginToolRenderer(PluginRun run) : run_(std::move(run)), contacts_(kMostContacts) {}
+  explicit PluginToolRenderer(PluginRun run) : run_(std::move(run)), contacts_(most_contacts) {}
 
  private:
   void do_reset() override { run_.reset(); }
@@ -62,7 +62,7 @@ tool::ToolRendererEntry entry_of(const std::shared_ptr<const LoadedPlugin>& load
     auto creation = std::make_shared<PluginCreation>(loaded->descriptions()[index], index, parameters,
                                                      std::make_shared<const TriangleMesh>(object_W));
     creation->set_tool(tool_of(tool.mass, coupling), std::make_shared<const TriangleMesh>(tool.mesh_T));
-    return std::make_unique<PluginToolRenderer>(loaded->make(std::move(creation), PluginToolRenderer::kMostContacts));
+    return std::make_unique<PluginToolRenderer>(loaded->make(std::move(creation), PluginToolRenderer::most_contacts));
   };
   return entry;
 }

@@ -7,7 +7,7 @@
 
 namespace touchstone::plugin {
 
-inline constexpr touchstone2_pose kIdentityPose{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
+inline constexpr touchstone2_pose identity_pose{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
 
 inline void copy(const Vec3& from, double (&to)[3]) noexcept {
   for (int i = 0; i < 3; ++i) to[i] = from[i];

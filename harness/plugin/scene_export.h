@@ -81,7 +81,7 @@ class Exported : private export_parts::EntryInC<rendering::RendererEntry> {
 
  private:
   static bool at_origin(const touchstone2_pose& pose) {
-    return std::ranges::equal(pose.p_W_m, kIdentityPose.p_W_m) && std::ranges::equal(pose.q_WB, kIdentityPose.q_WB);
+    return std::ranges::equal(pose.p_W_m, identity_pose.p_W_m) && std::ranges::equal(pose.q_WB, identity_pose.q_WB);
   }
 
   touchstone2_description description_{};

@@ -64,8 +64,8 @@ TEST(RepeatFloor, SaysHowSteadyItIs) {
 // as that noise is above it.
 TEST(RepeatFloor, TheTruthIsWithinItAndAnErrorAsLargeAsTheNoiseIsNot) {
   int outside = 0;
-  constexpr int kPairs = 200;
-  for (std::uint64_t seed = 0; seed < kPairs; ++seed) {
+  constexpr int pairs = 200;
+  for (std::uint64_t seed = 0; seed < pairs; ++seed) {
     Random random(100 + seed);
     const Recording one = strokes_late(0.0, 0.03, random);
     const auto floor = repeat_floor(one, strokes_late(0.0, 0.03, random));
@@ -76,7 +76,7 @@ TEST(RepeatFloor, TheTruthIsWithinItAndAnErrorAsLargeAsTheNoiseIsNot) {
     if (error_N > floor.within_N) ++outside;
     EXPECT_GT(std::hypot(error_N, 0.03), floor.within_N) << seed;
   }
-  EXPECT_LE(outside, kPairs / 20);
+  EXPECT_LE(outside, pairs / 20);
 }
 
 TEST(RepeatFloor, AnotherMotionIsRefused) {

@@ -17,16 +17,16 @@ using rendering::StepResult;
 
 namespace {
 
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double eps = std::numeric_limits<double>::epsilon();
 // Rounding of places on a body of this size, with room for some sums.
-constexpr double kPlaceRounding_m = 1e3 * kEps * kHalf_m;
+constexpr double place_rounding_m = 1e3 * eps * half_side_m;
 
-constexpr double kTouchStep_m = 1e-6;
-constexpr double kLatest_m = 4e-4;
-constexpr const char* kComingDown = "a block 40 mm wide, the tip coming down on it in steps of 1 um";
+constexpr double touch_step_m = 1e-6;
+constexpr double latest_m = 4e-4;
+constexpr const char* coming_down = "a block 40 mm wide, the tip coming down on it in steps of 1 um";
 
 struct Touch {
-  double depth_m = kLatest_m;
+  double depth_m = latest_m;
   double force_N = 0.0;
 };
 
@@ -34,10 +34,10 @@ struct Touch {
 Touch first_touch(const Engine& engine) {
   constexpr int from = 40;  // steps above the surface
   Probe probe(engine, level_block());
-  probe.approach(kPlace, Vec3::UnitZ(), -1e-3);
-  for (int i = -from; kTouchStep_m * i < kLatest_m; ++i) {
-    const double depth_m = kTouchStep_m * (i + 0.5);
-    const StepResult now = probe.press(kPlace, Vec3::UnitZ(), depth_m);
+  probe.approach(place, Vec3::UnitZ(), -1e-3);
+  for (int i = -from; touch_step_m * i < latest_m; ++i) {
+    const double depth_m = touch_step_m * (i + 0.5);
+    const StepResult now = probe.press(place, Vec3::UnitZ(), depth_m);
     if (now.contact) return {depth_m, now.f_W_N.norm()};
   }
   return {};
@@ -47,27 +47,27 @@ Touch first_touch(const Engine& engine) {
 double first_force_m(const Engine& engine) {
   constexpr double step_m = 5e-6;
   Probe probe(engine, level_block());
-  probe.approach(kPlace, Vec3::UnitZ(), -step_m);
-  for (int i = 0; step_m * i < kLatest_m; ++i) {
+  probe.approach(place, Vec3::UnitZ(), -step_m);
+  for (int i = 0; step_m * i < latest_m; ++i) {
     const double depth_m = step_m * (i + 0.5);
-    if (probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.z() > 0.0) return depth_m;
+    if (probe.press(place, Vec3::UnitZ(), depth_m).f_W_N.z() > 0.0) return depth_m;
   }
-  return kLatest_m;
+  return latest_m;
 }
 
 // On the top of the block, away from its edges.
 double rested_load_N(const Engine& engine) {
   Probe probe(engine, level_block());
-  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
-  return probe.press(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.norm();
+  probe.approach(place, Vec3::UnitZ(), probe_depth_m);
+  return probe.press(place, Vec3::UnitZ(), probe_depth_m).f_W_N.norm();
 }
 
 // At the surface and without a jump, but for the last step and what the engine declares.
 bool within_epsilon(const Engine& engine, const Touch& touch) {
-  const double allowed_m = kTouchStep_m + kPlaceRounding_m + engine.epsilon_m;
+  const double allowed_m = touch_step_m + place_rounding_m + engine.epsilon_m;
   // A contact that is stiffer than its author says does not jump for that.
   const double most_N =
-      std::max(engine.stiffness_N_per_m, rested_load_N(engine) / kDepth_m) * allowed_m * (1.0 + engine.friction);
+      std::max(engine.stiffness_N_per_m, rested_load_N(engine) / probe_depth_m) * allowed_m * (1.0 + engine.friction);
   return touch.depth_m > 0.0 && touch.depth_m <= allowed_m && touch.force_N <= most_N;
 }
 
@@ -77,10 +77,10 @@ std::optional<Finding> find_lingering(const Engine& engine) {
   Probe probe(engine, level_block());
   // The end of what fades, as a filter's force does, is nothing.
   constexpr double nothing = 1e-6;
-  const double least_N = nothing * probe.approach(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.norm();
+  const double least_N = nothing * probe.approach(place, Vec3::UnitZ(), probe_depth_m).f_W_N.norm();
   for (int i = 0; i < 40; ++i) {
-    const double above_m = -kDepth_m + step_m * (i + 0.5);
-    const StepResult now = probe.press(kPlace, Vec3::UnitZ(), -above_m);
+    const double above_m = -probe_depth_m + step_m * (i + 0.5);
+    const StepResult now = probe.press(place, Vec3::UnitZ(), -above_m);
     // A proxy may be an epsilon above the surface, and the tip an epsilon above the proxy.
     if (above_m <= 2.0 * engine.epsilon_m || !(now.contact || now.f_W_N.norm() > least_N)) continue;
     return Finding{"gap-at-contact",
@@ -107,15 +107,16 @@ std::optional<Finding> find_tie_inside(const Engine& engine, double rounding_N) 
   // A ball rounds the edge, but where its centre is behind both walls.
   std::vector<Tie> ties{
       {level_block(),
-       {kHalf_m - kDepth_m, kPlace.y(), 0.0},
-       kDepth_m,
+       {half_side_m - probe_depth_m, place.y(), 0.0},
+       probe_depth_m,
        Vec3::UnitX(),
        "as deep below the top as behind the side",
        "a block 40 mm wide, the tip coming down beside an edge"},
-      {surface::box_mesh({-kHalf_m, -kHalf_m, -2.0 * kDepth_m}, {kHalf_m, kHalf_m, 0.0}), kPlace, kDepth_m, z,
-       "in the middle between two faces", "a plate 40 mm wide and 1 mm thick, the tip coming down on it"}};
+      {surface::box_mesh({-half_side_m, -half_side_m, -2.0 * probe_depth_m}, {half_side_m, half_side_m, 0.0}), place,
+       probe_depth_m, z, "in the middle between two faces",
+       "a plate 40 mm wide and 1 mm thick, the tip coming down on it"}};
   if (r > 0.0)
-    ties.push_back({level_block(), kPlace, 0.0, z, "its centre in the plane of the top",
+    ties.push_back({level_block(), place, 0.0, z, "its centre in the plane of the top",
                     "a block 40 mm wide, the ball coming down on it as deep as its radius"});
   constexpr double beside_m = 1e-6;
   // Where the force of an edge is rounded it changes by as much as the place, some times over.
@@ -145,47 +146,50 @@ std::optional<Finding> find_tie_inside(const Engine& engine, double rounding_N) 
 
 std::optional<Finding> find_standoff(const Engine& engine) {
   Probe probe(engine, level_block());
-  StepResult now = probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
-  now = probe.press(kPlace, Vec3::UnitZ(), kDepth_m);
+  StepResult now = probe.approach(place, Vec3::UnitZ(), probe_depth_m);
+  now = probe.press(place, Vec3::UnitZ(), probe_depth_m);
   const double above_m = now.contact_W_m.z() - engine.tip_radius_m;
-  const double allowed_m = kPlaceRounding_m + engine.epsilon_m;
+  const double allowed_m = place_rounding_m + engine.epsilon_m;
   if (now.contact && std::abs(above_m) <= allowed_m) {
     // 0: the engine does not give it.
-    if (now.depth_m == 0.0 || std::abs(now.depth_m - kDepth_m) <= allowed_m + 0.01 * kDepth_m) return std::nullopt;
-    return Finding{
-        "standoff", fmt::format("the depth that it gives is {:.3g} m, of a tip {:g} m deep", now.depth_m, kDepth_m),
-        fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), now.depth_m, "m"};
+    if (now.depth_m == 0.0 || std::abs(now.depth_m - probe_depth_m) <= allowed_m + 0.01 * probe_depth_m)
+      return std::nullopt;
+    return Finding{"standoff",
+                   fmt::format("the depth that it gives is {:.3g} m, of a tip {:g} m deep", now.depth_m, probe_depth_m),
+                   fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * probe_depth_m),
+                   now.depth_m, "m"};
   }
   if (!now.contact) {
     return Finding{"standoff", "a tip pressed on the level top of a block touches nothing",
-                   fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), 0.0, "m"};
+                   fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * probe_depth_m), 0.0,
+                   "m"};
   }
   return Finding{"standoff",
                  fmt::format("the surface contact point is {:.3g} m {} the surface ({:.3g} m are allowed)",
                              std::abs(above_m), above_m > 0.0 ? "above" : "below", allowed_m),
-                 fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), above_m,
-                 "m"};
+                 fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * probe_depth_m),
+                 above_m, "m"};
 }
 
 std::optional<Finding> find_gap_at_contact(const Engine& engine) {
   const Touch touch = first_touch(engine);
   if (within_epsilon(engine, touch)) return find_lingering(engine);
-  if (touch.depth_m >= kLatest_m)
-    return Finding{"gap-at-contact", "contact has not begun 0.4 mm below the surface", kComingDown, kLatest_m, "m"};
+  if (touch.depth_m >= latest_m)
+    return Finding{"gap-at-contact", "contact has not begun 0.4 mm below the surface", coming_down, latest_m, "m"};
   return Finding{"gap-at-contact",
                  fmt::format("contact begins {:.3g} m {} the surface, with {:.3g} N at once", std::abs(touch.depth_m),
                              touch.depth_m > 0.0 ? "below" : "above", touch.force_N),
-                 kComingDown, touch.depth_m, "m"};
+                 coming_down, touch.depth_m, "m"};
 }
 
 std::optional<Finding> find_late_contact(const Engine& engine) {
   const Touch touch = first_touch(engine);
-  if (touch.depth_m <= kTouchStep_m + kPlaceRounding_m || !within_epsilon(engine, touch)) return std::nullopt;
+  if (touch.depth_m <= touch_step_m + place_rounding_m || !within_epsilon(engine, touch)) return std::nullopt;
   return Finding{
       "late-contact",
       fmt::format("contact begins {:.3g} m below the surface, within the {:.3g} m that it declares: no fault",
                   touch.depth_m, engine.epsilon_m),
-      kComingDown, touch.depth_m, "m"};
+      coming_down, touch.depth_m, "m"};
 }
 
 // Where the tip is neither in nor out, or two surface points are as close: what it is called there must not matter.
@@ -194,7 +198,7 @@ std::optional<Finding> find_late_contact(const Engine& engine) {
 std::optional<Finding> find_tie_break(const Engine& engine) {
   const double r = engine.tip_radius_m;
   const double away_m = 5e-3 + r;
-  const double rounding_N = engine.stiffness_N_per_m * (kPlaceRounding_m + 2.0 * engine.epsilon_m);
+  const double rounding_N = engine.stiffness_N_per_m * (place_rounding_m + 2.0 * engine.epsilon_m);
   struct Tie {
     Vec3 foot;  // the tip is `height` above it
     Vec3 out;
@@ -203,14 +207,14 @@ std::optional<Finding> find_tie_break(const Engine& engine) {
   };
   const Vec3 x = Vec3::UnitX();
   const Vec3 z = Vec3::UnitZ();
-  const Vec3 edge(kHalf_m, kPlace.y(), 0.0);
-  const Vec3 corner(kHalf_m, kHalf_m, 0.0);
+  const Vec3 edge(half_side_m, place.y(), 0.0);
+  const Vec3 corner(half_side_m, half_side_m, 0.0);
   const std::array ties{
       Tie{edge, x, away_m, "in the plane of the top, beside the block"},
       Tie{edge, z, away_m, "in the plane of a side, above the block"},
       Tie{corner, x, away_m, "on the line of an edge, beside the block"},
       Tie{corner, z, away_m, "on the line of two sides, above the block"},
-      Tie{kPlace, z, r, "on the top"},
+      Tie{place, z, r, "on the top"},
       Tie{edge, z, r, "on an edge"},
       Tie{corner, z, r, "on a corner"},
   };
@@ -231,18 +235,19 @@ std::optional<Finding> find_untouchable_triangles(const Engine& engine) {
   const bool begins_late = !within_epsilon(engine, first_touch(engine));
   // Both are the same plane sheet: what is felt must be the same whatever its triangles.
   for (const double unit : {1.0, 1e-3, 1e3}) {
-    const bool felt =
-        Probe(engine, nested_sheet(kHalf_m, kHalf_m), unit).approach(kPlace, Vec3::UnitZ(), kDepth_m).contact;
+    const bool felt = Probe(engine, nested_sheet(half_side_m, half_side_m), unit)
+                          .approach(place, Vec3::UnitZ(), probe_depth_m)
+                          .contact;
     if (begins_late && unit != 1.0 && !felt) continue;
     for (const double size_m : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
       if (size_m * unit < 10.0 * engine.epsilon_m) continue;
-      Probe coarse(engine, nested_sheet(kHalf_m, kHalf_m), unit);
-      Probe fine(engine, nested_sheet(kHalf_m, size_m), unit);
+      Probe coarse(engine, nested_sheet(half_side_m, half_side_m), unit);
+      Probe fine(engine, nested_sheet(half_side_m, size_m), unit);
       // Down in the middle of the small ones, then over them and out over larger and larger ones.
       const Vec3 start(0.31 * size_m, 0.17 * size_m, 0.0);
       std::vector<Vec3> feet;
       feet.reserve(40);
-      for (int i = 0; i < 40; ++i) feet.push_back(start * std::pow(0.5 * kHalf_m / start.norm(), i / 39.0));
+      for (int i = 0; i < 40; ++i) feet.push_back(start * std::pow(0.5 * half_side_m / start.norm(), i / 39.0));
       double worst = 0.0;
       Vec3 worst_at = start;
       const auto compare = [&](const Vec3& at, const StepResult& expected, const StepResult& obtained) {
@@ -252,10 +257,11 @@ std::optional<Finding> find_untouchable_triangles(const Engine& engine) {
           worst_at = at;
         }
       };
-      compare(start, coarse.approach(start, Vec3::UnitZ(), kDepth_m), fine.approach(start, Vec3::UnitZ(), kDepth_m));
+      compare(start, coarse.approach(start, Vec3::UnitZ(), probe_depth_m),
+              fine.approach(start, Vec3::UnitZ(), probe_depth_m));
       for (const Vec3& foot : feet) {
-        const StepResult expected = coarse.press(foot, Vec3::UnitZ(), kDepth_m);
-        compare(foot, expected, fine.press(foot, Vec3::UnitZ(), kDepth_m));
+        const StepResult expected = coarse.press(foot, Vec3::UnitZ(), probe_depth_m);
+        compare(foot, expected, fine.press(foot, Vec3::UnitZ(), probe_depth_m));
       }
       if (worst <= 0.01) continue;
       return Finding{"untouchable-triangles",
@@ -264,7 +270,7 @@ std::optional<Finding> find_untouchable_triangles(const Engine& engine) {
                                  size_m, 100.0 * worst, 1.0 / unit),
                      fmt::format("a sheet 40 mm wide whose squares halve towards the middle, lengths times {:g}, tip "
                                  "{:g} mm deep at ({:.3g}, {:.3g}) m",
-                                 unit, 1e3 * kDepth_m, worst_at.x(), worst_at.y()),
+                                 unit, 1e3 * probe_depth_m, worst_at.x(), worst_at.y()),
                      size_m, "m"};
     }
   }
@@ -276,18 +282,19 @@ std::optional<Finding> find_pops_through_shell(const Engine& engine) {
   constexpr double step_m = 2e-5;
   const double late_m = std::max(engine.epsilon_m, first_force_m(engine)) + 2.0 * step_m;
   // What pulls inward everywhere lets nothing through: another detector says so.
-  if (!(Probe(engine, level_block()).approach(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.z() > 0.0)) return std::nullopt;
+  if (!(Probe(engine, level_block()).approach(place, Vec3::UnitZ(), probe_depth_m).f_W_N.z() > 0.0))
+    return std::nullopt;
   for (const double thickness_m : {8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5}) {
-    Probe probe(engine, surface::box_mesh({-kHalf_m, -kHalf_m, -thickness_m}, {kHalf_m, kHalf_m, 0.0}));
+    Probe probe(engine, surface::box_mesh({-half_side_m, -half_side_m, -thickness_m}, {half_side_m, half_side_m, 0.0}));
     // Contact may begin late, as it does on a block, which is no pop: what counts is a force that was there and is
     // lost, and none below. Lost for a single sample is no way through.
-    probe.approach(kPlace, Vec3::UnitZ(), -step_m);
+    probe.approach(place, Vec3::UnitZ(), -step_m);
     const int steps = static_cast<int>(below_m / step_m);
     bool touched = false;
     for (int i = 0; i <= steps; ++i) {
       const double depth_m = step_m * (i + 0.5);
       const auto holds = [&](double at_m) {
-        const StepResult now = probe.press(kPlace, Vec3::UnitZ(), at_m);
+        const StepResult now = probe.press(place, Vec3::UnitZ(), at_m);
         return now.contact && now.f_W_N.z() > 0.0;
       };
       if (holds(depth_m) || (touched && holds(depth_m + step_m / 3.0))) {

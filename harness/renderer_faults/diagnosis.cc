@@ -19,7 +19,7 @@ namespace touchstone::renderer_faults {
 
 namespace {
 
-constexpr const char* kOverOnePlace = "a block 40 mm wide, the tip over one place jumping between 0.2 and 1 mm deep";
+constexpr const char* over_one_place = "a block 40 mm wide, the tip over one place jumping between 0.2 and 1 mm deep";
 
 // The finding of an engine's timing, if its name is this.
 std::optional<Finding> timing_finding(const Timing& timing, const std::string& name) {
@@ -28,7 +28,7 @@ std::optional<Finding> timing_finding(const Timing& timing, const std::string& n
   const bool period = timing.kind == TimingKind::held;
   return Finding{name,
                  timing.what,
-                 kOverOnePlace,
+                 over_one_place,
                  change   ? timing.per_sample_N
                  : period ? timing.period_samples
                           : timing.lag_samples,
@@ -62,7 +62,7 @@ const Consequences& consequences() {
   return table;
 }
 
-constexpr std::array kOfAxes{"mirrored-axis", "exchanged-axes", "lost-axis"};
+constexpr std::array of_axes{"mirrored-axis", "exchanged-axes", "lost-axis"};
 
 // What a force does that turns otherwise than the world: after what explains this by itself.
 const Consequences& consequences_of_frames() {
@@ -180,7 +180,7 @@ class Judge {
 
   // Of a fault of the force's map: what a map of another kind leaves.
   std::vector<std::pair<std::string, std::string>> other_maps(const std::string& name) {
-    const bool axes = std::ranges::find(kOfAxes, name) != kOfAxes.end();
+    const bool axes = std::ranges::find(of_axes, name) != of_axes.end();
     if (!axes && name != "saturation" && name != "quantised") return {};
     const ForceFaults& faults = force_faults();
     std::vector<std::pair<std::string, std::string>> others;
@@ -226,7 +226,7 @@ class Judge {
     const ForceFaults& faults = force_faults();
     std::vector<std::pair<std::string, ForceMap>> maps;
     if (faults.axes) {
-      for (const char* const name : kOfAxes) {
+      for (const char* const name : of_axes) {
         if (found_cause(name)) maps.emplace_back(name, faults.map.axes_alone());
       }
     }

@@ -19,16 +19,16 @@ std::optional<Finding> find_dropout(const Engine& engine) {
   constexpr double longest_s = 4.0;
   Probe probe(engine, level_block());
   const Vec3 from(-6e-3, 1.7e-3, 0.0);
-  probe.approach(from, Vec3::UnitZ(), kDepth_m);
+  probe.approach(from, Vec3::UnitZ(), probe_depth_m);
   // At rest, so that a late answer has come.
   constexpr int rest = 300;
-  for (int i = 0; i < rest; ++i) probe.press(from, Vec3::UnitZ(), kDepth_m);
+  for (int i = 0; i < rest; ++i) probe.press(from, Vec3::UnitZ(), probe_depth_m);
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
   std::vector<double> force_N;
   for (std::size_t i = 0; i < steps && std::chrono::duration<double>(Clock::now() - began).count() < longest_s; ++i)
     force_N.push_back(
-        probe.press(from + Vec3(4e-7 * static_cast<double>(i), 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N.z());
+        probe.press(from + Vec3(4e-7 * static_cast<double>(i), 0.0, 0.0), Vec3::UnitZ(), probe_depth_m).f_W_N.z());
   const double usual_N = stats::upper_median(force_N);
   if (!(usual_N > 0.0)) return std::nullopt;
   const auto is_out = [&](double f) { return !(f > 0.5 * usual_N); };
@@ -40,17 +40,18 @@ std::optional<Finding> find_dropout(const Engine& engine) {
   const auto first = std::ranges::find_if(force_N, is_out) - force_N.begin();
   // Lost for good is no dropout.
   if (is_out(force_N.back()) && is_out(force_N[force_N.size() - 2])) return std::nullopt;
-  return Finding{"dropout",
-                 fmt::format("in {} of {} samples of a slide over a plane the force of {:.3g} N is {:.3g} N, first in "
-                             "sample {}",
-                             out, force_N.size(), usual_N, force_N[static_cast<std::size_t>(first)], first),
-                 fmt::format("a block 40 mm wide, the tip {:g} mm deep, sliding by 0.4 um a sample", 1e3 * kDepth_m),
-                 static_cast<double>(out) / static_cast<double>(force_N.size()), "1"};
+  return Finding{
+      "dropout",
+      fmt::format("in {} of {} samples of a slide over a plane the force of {:.3g} N is {:.3g} N, first in "
+                  "sample {}",
+                  out, force_N.size(), usual_N, force_N[static_cast<std::size_t>(first)], first),
+      fmt::format("a block 40 mm wide, the tip {:g} mm deep, sliding by 0.4 um a sample", 1e3 * probe_depth_m),
+      static_cast<double>(out) / static_cast<double>(force_N.size()), "1"};
 }
 
 std::optional<Finding> find_one_bad_face(const Engine& engine) {
   constexpr double depth_m = 4e-4;
-  const surface::TriangleMesh ball = surface::sphere_mesh(kHalf_m, 4);
+  const surface::TriangleMesh ball = surface::sphere_mesh(half_side_m, 4);
   Probe probe(engine, ball);
   const auto press_in_middle = [&](std::size_t t) {
     Vec3 middle = Vec3::Zero();
@@ -99,15 +100,15 @@ std::optional<Finding> find_falls_through_block(const Engine& engine) {
   const double bottom_m =
       std::max(4e-3, std::min(deepest_m, 10.0 / engine.stiffness_N_per_m)) + 2.0 * engine.tip_radius_m;
   Probe probe(engine, surface::box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0}));
-  probe.approach(kPlace, Vec3::UnitZ(), -step_m);
+  probe.approach(place, Vec3::UnitZ(), -step_m);
   double most_N = 0.0;
   for (int i = 0; step_m * i < bottom_m; ++i) {
     const double depth_m = step_m * (i + 0.5);
-    const double now_N = probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.z();
+    const double now_N = probe.press(place, Vec3::UnitZ(), depth_m).f_W_N.z();
     // Once lost it must stay so for some samples: a dropout comes back.
     const bool lost = !(now_N > 0.1 * most_N) && most_N > 0.0;
-    if (lost && !(probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.z() > 0.1 * most_N) &&
-        !(probe.press(kPlace, Vec3::UnitZ(), depth_m + step_m).f_W_N.z() > 0.1 * most_N)) {
+    if (lost && !(probe.press(place, Vec3::UnitZ(), depth_m).f_W_N.z() > 0.1 * most_N) &&
+        !(probe.press(place, Vec3::UnitZ(), depth_m + step_m).f_W_N.z() > 0.1 * most_N)) {
       return Finding{"falls-through-block",
                      fmt::format("{:.3g} mm deep in a block 200 mm thick the force falls from {:.3g} to {:.3g} N",
                                  1e3 * depth_m, most_N, now_N),

@@ -48,7 +48,7 @@ std::string sentences_of(const Engine& engine) {
   return text;
 }
 
-constexpr double kMillimetre_m = 1e-3;
+constexpr double millimetre_m = 1e-3;
 
 Engine right(const std::string& renderer, double rate_Hz = 1000.0) {
   Fault none{"right", ""};
@@ -61,13 +61,13 @@ Engine right(const std::string& renderer, double rate_Hz = 1000.0) {
       engine.cannot.push_back({lacks, "it has no memory"});
   }
   if (renderer != "ball") return engine;
-  engine.tip_radius_m = kMillimetre_m;
+  engine.tip_radius_m = millimetre_m;
   engine.make = [](std::shared_ptr<const Surface> surface, double unit) {
     const rendering::Model model = rendering::parse_model(
         fmt::format(
             R"({{"schema": "touchstone-model/1", "renderer": "god-object", "parameters": {{"stiffness_N_per_m": {},
                        "tip_radius_m": {}}}}})",
-            500.0 / unit, kMillimetre_m * unit),
+            500.0 / unit, millimetre_m * unit),
         "ball");
     return renderers::make_renderer(model, std::move(surface));
   };

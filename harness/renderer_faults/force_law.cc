@@ -25,12 +25,12 @@ struct Reading {
 };
 
 // No round figures: those would stand on the edge between two steps of a quantised force.
-constexpr std::array kLoads_N{0.0531, 0.1137, 0.2273, 0.517, 1.093, 2.31, 3.71, 5.93, 9.97};
+constexpr std::array loads_N{0.0531, 0.1137, 0.2273, 0.517, 1.093, 2.31, 3.71, 5.93, 9.97};
 // Deeper than this no stroke goes, however soft the contact is.
-constexpr double kDeepest_m = 0.05;
+constexpr double deepest_m = 0.05;
 
 double depth_of(const Engine& engine, double load_N) {
-  return std::min(load_N / engine.stiffness_N_per_m, kDeepest_m * load_N / kLoads_N.back());
+  return std::min(load_N / engine.stiffness_N_per_m, deepest_m * load_N / loads_N.back());
 }
 
 // Axes, the eight octants, and some more.
@@ -54,15 +54,15 @@ std::vector<Vec3> directions() {
 // On the top of a block that is turned so that its top looks along each direction.
 std::vector<Reading> press_everywhere(const Engine& engine) {
   std::vector<Reading> readings;
-  const double half_m = 5.0 * depth_of(engine, kLoads_N.back()) + kHalf_m;
+  const double half_m = 5.0 * depth_of(engine, loads_N.back()) + half_side_m;
   const surface::TriangleMesh block = surface::box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0});
   for (const Vec3& n : directions()) {
     const Quat turn = Quat::FromTwoVectors(Vec3::UnitZ(), n);
     Probe probe(engine, moved(block, turn, Vec3::Zero()));
     const Vec3 foot = turn * Vec3(0.0031, 0.0017, 0.0);
-    double depth_m = depth_of(engine, kLoads_N.front());
+    double depth_m = depth_of(engine, loads_N.front());
     probe.approach(foot, n, depth_m);
-    for (const double load_N : kLoads_N) {
+    for (const double load_N : loads_N) {
       const double target_m = depth_of(engine, load_N);
       // 2 m/s at 1 kHz.
       constexpr double largest_step_m = 2e-3;
@@ -147,14 +147,14 @@ std::vector<Law> laws_of(const Engine& engine, const std::vector<Reading>& readi
   std::array<double, 2> light_N{};
   for (std::size_t load = 0; load < light_N.size(); ++load) {
     std::vector<double> normal_N;
-    for (std::size_t i = load; i < readings.size(); i += kLoads_N.size()) normal_N.push_back(readings[i].f_N.norm());
+    for (std::size_t i = load; i < readings.size(); i += loads_N.size()) normal_N.push_back(readings[i].f_N.norm());
     std::ranges::nth_element(normal_N, normal_N.begin() + std::ssize(normal_N) / 2);
     light_N[load] = normal_N[normal_N.size() / 2];
   }
   std::vector<Law> laws{{engine.stiffness_N_per_m, 1.0}};
   if (!(light_N[0] > 0.0 && light_N[1] > light_N[0])) return laws;
-  const double d0_m = depth_of(engine, kLoads_N[0]);
-  const double d1_m = depth_of(engine, kLoads_N[1]);
+  const double d0_m = depth_of(engine, loads_N[0]);
+  const double d1_m = depth_of(engine, loads_N[1]);
   laws.push_back({light_N[1] / d1_m, 1.0});
   const double power = std::log(light_N[1] / light_N[0]) / std::log(d1_m / d0_m);
   laws.push_back({light_N[0] / std::pow(d0_m, power), power});
@@ -271,7 +271,7 @@ double common_step_N(const std::vector<Reading>& readings, const ForceMap& map) 
     const bool all = std::ranges::all_of(parts_N, [&](double part) {
       return std::abs(part / step_N - std::round(part / step_N)) < 1e-4 * std::max(1.0, part / step_N);
     });
-    if (all && step_N > 1e-4 * kLoads_N.front()) return step_N;
+    if (all && step_N > 1e-4 * loads_N.front()) return step_N;
   }
   return 0.0;
 }

@@ -23,7 +23,7 @@
 
 namespace touchstone::renderer_faults {
 
-inline constexpr double kNoLimit_N = std::numeric_limits<double>::infinity();
+inline constexpr double no_limit_N = std::numeric_limits<double>::infinity();
 
 enum class Rounding : std::uint8_t { nearest, towards_zero, down };
 
@@ -34,9 +34,9 @@ struct ForceMap {
   std::array<double, 3> negative{1, 1, 1};
   bool strongest_only = false;      // the other two axes are 0
   Mat3 limited = Mat3::Identity();  // its rows: the axes along which components are limited
-  Vec3 least_N{-kNoLimit_N, -kNoLimit_N, -kNoLimit_N};
-  Vec3 most_N{kNoLimit_N, kNoLimit_N, kNoLimit_N};
-  double limit_N = kNoLimit_N;  // of the magnitude
+  Vec3 least_N{-no_limit_N, -no_limit_N, -no_limit_N};
+  Vec3 most_N{no_limit_N, no_limit_N, no_limit_N};
+  double limit_N = no_limit_N;  // of the magnitude
   double step_N = 0.0;          // 0: no steps
   Rounding rounding = Rounding::nearest;
 
@@ -58,7 +58,7 @@ struct ForceFaults {
   double after = 0.0;   // with the map
   // What the best map of each kind leaves by itself: other axes, a limit, steps (infinite where the readings have
   // none).
-  double axes_leave = kNoLimit_N, limits_leave = kNoLimit_N, steps_leave = kNoLimit_N;
+  double axes_leave = no_limit_N, limits_leave = no_limit_N, steps_leave = no_limit_N;
 };
 
 // `settle_samples` of the engine must be what its timing needs. Throws what making the renderer throws.

@@ -19,13 +19,13 @@ TriangleMesh nested_sheet(double h, double smallest_m) {
   TriangleMesh mesh;
   mesh.source = "nested sheet";
   // A ring of eight corners at half-width w, counter-clockwise from (1, 0).
-  constexpr std::array<std::pair<int, int>, 8> kRing{
+  constexpr std::array<std::pair<int, int>, 8> ring{
       {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
   double w = h;
   std::int32_t outer = 0;
   const auto add_ring = [&] {
     const auto first = static_cast<std::int32_t>(mesh.vertices_W_m.size());
-    for (const auto& [x, y] : kRing) mesh.vertices_W_m.emplace_back(w * x, w * y, 0.0);
+    for (const auto& [x, y] : ring) mesh.vertices_W_m.emplace_back(w * x, w * y, 0.0);
     return first;
   };
   add_ring();

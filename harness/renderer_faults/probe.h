@@ -12,14 +12,14 @@
 namespace touchstone::renderer_faults {
 
 // Half the width of the blocks and sheets, and how deep strokes press.
-inline constexpr double kHalf_m = 0.02;
-inline constexpr double kDepth_m = 5e-4;
+inline constexpr double half_side_m = 0.02;
+inline constexpr double probe_depth_m = 5e-4;
 // On the top of the block, beside edges and corners of what the detectors press.
-inline const Vec3 kPlace(0.0031, 0.0017, 0.0);
+inline const Vec3 place(0.0031, 0.0017, 0.0);
 
 // 40 mm wide, its top at z = 0.
 inline surface::TriangleMesh level_block() {
-  return surface::box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0});
+  return surface::box_mesh({-half_side_m, -half_side_m, -half_side_m}, {half_side_m, half_side_m, 0.0});
 }
 
 class Probe {

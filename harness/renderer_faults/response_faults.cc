@@ -17,7 +17,7 @@
 namespace touchstone::renderer_faults {
 namespace {
 
-constexpr const char* kTurnedBlocks = "the tops of blocks that look in 20 directions, pressed with up to 10 N";
+constexpr const char* turned_blocks = "the tops of blocks that look in 20 directions, pressed with up to 10 N";
 
 std::string axis_name(std::size_t axis) { return {"xyz"[axis]}; }
 
@@ -64,14 +64,14 @@ double release_share(const Engine& engine, double step_m) {
   Probe probe(engine, level_block());
   constexpr double shallow_m = 2e-4;
   constexpr double deep_m = 8e-4;
-  probe.approach(kPlace, Vec3::UnitZ(), shallow_m);
+  probe.approach(place, Vec3::UnitZ(), shallow_m);
   const int steps = std::max(8, static_cast<int>((deep_m - shallow_m) / step_m));
   double down_N = 0.0;
   double up_N = 0.0;
   // The last sample before each turn is left out: there the way changes.
   for (int i = 0; i < 2 * steps; ++i) {
     const double share = 1.0 - std::abs(1.0 - static_cast<double>(i) / steps);
-    const double now_N = probe.press(kPlace, Vec3::UnitZ(), shallow_m + share * (deep_m - shallow_m)).f_W_N.z();
+    const double now_N = probe.press(place, Vec3::UnitZ(), shallow_m + share * (deep_m - shallow_m)).f_W_N.z();
     if (i % steps == 0) continue;
     (i < steps ? down_N : up_N) += now_N;
   }
@@ -92,7 +92,7 @@ std::optional<Finding> find_mirrored_axis(const Engine& engine) {
     if (up >= 0.0) names += " (where it should be negative)";
     if (down >= 0.0) names += " (where it should be positive)";
   }
-  return Finding{"mirrored-axis", "the force has the wrong sign along " + names + off_sentence(faults), kTurnedBlocks,
+  return Finding{"mirrored-axis", "the force has the wrong sign along " + names + off_sentence(faults), turned_blocks,
                  faults.before, "1"};
 }
 
@@ -102,7 +102,7 @@ std::optional<Finding> find_exchanged_axes(const Engine& engine) {
   std::string names;
   for (std::size_t a = 0; a < 3; ++a) names += axis_name(static_cast<std::size_t>(faults.map.from[a]));
   return Finding{"exchanged-axes", "x, y and z of the force are " + names + " of the right one" + off_sentence(faults),
-                 kTurnedBlocks, faults.before, "1"};
+                 turned_blocks, faults.before, "1"};
 }
 
 std::optional<Finding> find_lost_axis(const Engine& engine) {
@@ -110,7 +110,7 @@ std::optional<Finding> find_lost_axis(const Engine& engine) {
   if (!faults.axes || !lost(faults.map)) return std::nullopt;
   if (faults.map.strongest_only)
     return Finding{"lost-axis", "only the strongest component of the force is given" + off_sentence(faults),
-                   kTurnedBlocks, faults.before, "1"};
+                   turned_blocks, faults.before, "1"};
   std::string names;
   for (std::size_t a = 0; a < 3; ++a) {
     const bool all = faults.map.from[a] < 0;
@@ -121,7 +121,7 @@ std::optional<Finding> find_lost_axis(const Engine& engine) {
                                : up == 0.0 ? " (where it should be positive)"
                                            : " (where it should be negative)");
   }
-  return Finding{"lost-axis", "the force is 0 along " + names + off_sentence(faults), kTurnedBlocks, faults.before,
+  return Finding{"lost-axis", "the force is 0 along " + names + off_sentence(faults), turned_blocks, faults.before,
                  "1"};
 }
 
@@ -130,10 +130,10 @@ std::optional<Finding> find_saturation(const Engine& engine) {
   if (!faults.saturated) return std::nullopt;
   const ForceMap& map = faults.map;
   if (!map.limits_components())
-    return Finding{"saturation", fmt::format("the force never exceeds {:.4g} N", map.limit_N), kTurnedBlocks,
+    return Finding{"saturation", fmt::format("the force never exceeds {:.4g} N", map.limit_N), turned_blocks,
                    map.limit_N, "N"};
   std::vector<std::string> limits;
-  double lowest_N = kNoLimit_N;
+  double lowest_N = no_limit_N;
   double highest_N = 0.0;
   bool all = true;
   for (Eigen::Index a = 0; a < 3; ++a) {
@@ -164,7 +164,7 @@ std::optional<Finding> find_saturation(const Engine& engine) {
     what = fmt::format("each component of the force is cut off at {:.4g} N", lowest_N);
   return Finding{"saturation",
                  what + ", and what is left points elsewhere: shorten all of the force, not a component of it",
-                 kTurnedBlocks, lowest_N, "N"};
+                 turned_blocks, lowest_N, "N"};
 }
 
 std::optional<Finding> find_quantised(const Engine& engine) {
@@ -176,7 +176,7 @@ std::optional<Finding> find_quantised(const Engine& engine) {
                              : faults.map.rounding == Rounding::towards_zero ? ", cut off towards 0"
                                                                              : ", cut off downwards") +
                      off_sentence(faults),
-                 kTurnedBlocks, faults.map.step_N, "N"};
+                 turned_blocks, faults.map.step_N, "N"};
 }
 
 std::optional<Finding> find_place_dependent(const Engine& engine) {
@@ -192,13 +192,13 @@ std::optional<Finding> find_place_dependent(const Engine& engine) {
   };
   constexpr double out_m = 0.015;
   for (const Vec3& foot :
-       {Vec3(kPlace), Vec3(out_m, out_m, 0), Vec3(-out_m, out_m, 0), Vec3(out_m, -out_m, 0), Vec3(-out_m, -out_m, 0)})
+       {Vec3(place), Vec3(out_m, out_m, 0), Vec3(-out_m, out_m, 0), Vec3(out_m, -out_m, 0), Vec3(-out_m, -out_m, 0)})
     press(Vec3::Zero(), foot);
   if (find_limitation(engine.cannot, rendering::Ability::rigid_motion) == nullptr) {
     constexpr double far_m = 0.05;
     for (int axis = 0; axis < 3; ++axis) {
-      press(far_m * Vec3::Unit(axis), kPlace);
-      press(-far_m * Vec3::Unit(axis), kPlace);
+      press(far_m * Vec3::Unit(axis), place);
+      press(-far_m * Vec3::Unit(axis), place);
     }
   }
   const auto [low, high] = std::ranges::minmax(readings, {}, &Extreme::force_N);
@@ -228,16 +228,16 @@ std::optional<Finding> find_rate_dependent(const Engine& engine) {
     other.rate_Hz = factors[i] * engine.rate_Hz;
     other.settle_samples = static_cast<int>(std::ceil(engine.settle_samples * std::max(1.0, factors[i])));
     Probe resting(other, level_block());
-    resting.approach(kPlace, Vec3::UnitZ(), depth_m);
+    resting.approach(place, Vec3::UnitZ(), depth_m);
     // At rest for long, also for what settles by its own clock.
-    for (int sample = 0; sample < 40; ++sample) rest_N[i] = resting.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.z();
+    for (int sample = 0; sample < 40; ++sample) rest_N[i] = resting.press(place, Vec3::UnitZ(), depth_m).f_W_N.z();
     if (engine.settle_samples > no_memory) continue;
     other.settle_samples = 0;
     Probe moving(other, level_block());
     const double step_m = speed_m_per_s / other.rate_Hz;
     const int steps = static_cast<int>(std::round(2.0 * pressed_m / step_m));
     for (int step = 0; step <= steps; ++step)
-      moving_N[i] = moving.press(kPlace, Vec3::UnitZ(), -pressed_m + step_m * step).f_W_N.z();
+      moving_N[i] = moving.press(place, Vec3::UnitZ(), -pressed_m + step_m * step).f_W_N.z();
   }
   for (const bool at_rest : {true, false}) {
     const auto& force_N = at_rest ? rest_N : moving_N;

@@ -26,9 +26,9 @@ using rendering::StepResult;
 
 namespace {
 
-constexpr double kTick_s = 1e-3;
+constexpr double tick_s = 1e-3;
 
-surface::TriangleMesh round_body() { return surface::sphere_mesh(kHalf_m, 3); }
+surface::TriangleMesh round_body() { return surface::sphere_mesh(half_side_m, 3); }
 
 // Taps and strokes about a ball, from outside and back; the next seed goes elsewhere.
 std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contacts) {
@@ -37,19 +37,19 @@ std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contact
   for (int contact = 0; contact < contacts; ++contact) {
     const Vec3 n = random.direction();
     const Vec3 along = n.cross(random.direction()).normalized();
-    tips.push_back(2.0 * kHalf_m * n);
+    tips.push_back(2.0 * half_side_m * n);
     for (int i = 0; i <= 60; ++i) {
       const double press = std::min({i, 20, 60 - i}) / 20.0;
       const Vec3 out = (n + 2e-3 * i * along).normalized();
-      tips.push_back((kHalf_m + radius_m + 5e-4 - 1e-3 * press) * out);
+      tips.push_back((half_side_m + radius_m + 5e-4 - 1e-3 * press) * out);
     }
-    tips.push_back(3.0 * kHalf_m * n);
+    tips.push_back(3.0 * half_side_m * n);
   }
   return tips;
 }
 
 StepResult step_to(Renderer& renderer, std::size_t tick, const Vec3& tip) {
-  StepResult result = renderer.step({kTick_s * static_cast<double>(tick + 1), tip, Quat::Identity()});
+  StepResult result = renderer.step({tick_s * static_cast<double>(tick + 1), tip, Quat::Identity()});
   if (result.status == rendering::StepStatus::failed) throw rendering::RendererFailed(renderer.failure());
   return result;
 }
@@ -102,14 +102,14 @@ class Rounds {
 };
 
 // A million steps are asked of renderers that make them in this time.
-constexpr double kLongest_s = 8.0;
+constexpr double longest_s = 8.0;
 
-// Rounds that a run of `steps` would take, fewer where that takes longer than kLongest_s.
+// Rounds that a run of `steps` would take, fewer where that takes longer than longest_s.
 std::size_t affordable_rounds(const Engine& engine, std::size_t steps) {
   Rounds rounds(engine);
   double fastest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 5; ++i) fastest = std::min(fastest, rounds.round_s());
-  const double affordable = kLongest_s / std::max(fastest, 1e-9);
+  const double affordable = longest_s / std::max(fastest, 1e-9);
   return std::min(steps / Rounds::length, static_cast<std::size_t>(std::max(affordable, 1.0)));
 }
 

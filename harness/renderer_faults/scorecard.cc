@@ -141,13 +141,13 @@ std::string_view to_string(CardVerdict verdict) {
 CostScore measure_cost(const Engine& engine, int levels) {
   using Clock = std::chrono::steady_clock;
   const auto us = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
-  const surface::TriangleMesh ball = surface::sphere_mesh(kHalf_m, levels);
+  const surface::TriangleMesh ball = surface::sphere_mesh(half_side_m, levels);
   CostScore cost;
   cost.triangles = ball.triangle_count();
   const auto began = Clock::now();
   Probe probe(engine, ball);
   cost.build_ms = 1e-3 * us(Clock::now() - began);
-  probe.approach({0.0, 0.0, kHalf_m}, Vec3::UnitZ(), kDepth_m);
+  probe.approach({0.0, 0.0, half_side_m}, Vec3::UnitZ(), probe_depth_m);
   constexpr int steps = 20'000;
   constexpr double longest_us = 1e7;
   std::vector<double> each_us;
@@ -157,7 +157,7 @@ CostScore measure_cost(const Engine& engine, int levels) {
     // A great circle that leans over, in and out of contact: 40 rounds at 0.25 mm a step.
     const double angle = 0.0125 * i;
     const Vec3 out(std::sin(angle), 0.3 * std::sin(0.37 * angle), std::cos(angle));
-    const Vec3 tip = (kHalf_m + engine.tip_radius_m - kDepth_m * std::sin(0.05 * i)) * out.normalized();
+    const Vec3 tip = (half_side_m + engine.tip_radius_m - probe_depth_m * std::sin(0.05 * i)) * out.normalized();
     const auto before = Clock::now();
     probe.to(tip);
     each_us.push_back(us(Clock::now() - before));

@@ -16,40 +16,41 @@ namespace {
 
 // Rounding of a force at this place, with room for the sums of one step.
 double force_rounding_N(const Engine& engine) {
-  return 1e4 * std::numeric_limits<double>::epsilon() * engine.stiffness_N_per_m * kHalf_m;
+  return 1e4 * std::numeric_limits<double>::epsilon() * engine.stiffness_N_per_m * half_side_m;
 }
 
 }  // namespace
 
 std::optional<Finding> find_noise(const Engine& engine) {
   Probe probe(engine, level_block());
-  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  probe.approach(place, Vec3::UnitZ(), probe_depth_m);
   // At rest, after what relaxes has had time.
   const auto swing_N = [&](const auto& tip_at, int from, int steps) {
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
     for (int i = 0; i < steps; ++i) {
-      const double now_N = probe.press(tip_at(i), Vec3::UnitZ(), kDepth_m).f_W_N.z();
+      const double now_N = probe.press(tip_at(i), Vec3::UnitZ(), probe_depth_m).f_W_N.z();
       if (i < from) continue;
       low = std::min(low, now_N);
       high = std::max(high, now_N);
     }
     return high - low;
   };
-  const double load_N = engine.stiffness_N_per_m * kDepth_m;
+  const double load_N = engine.stiffness_N_per_m * probe_depth_m;
   // What relaxes creeps: over the second half it has no more than a thousandth of the load left to lose.
   const double allowed_N = 1e-3 * load_N + force_rounding_N(engine) + engine.stiffness_N_per_m * engine.epsilon_m;
-  const double at_rest_N = swing_N([](int) { return kPlace; }, 2000, 4000);
+  const double at_rest_N = swing_N([](int) { return place; }, 2000, 4000);
   if (!(at_rest_N <= allowed_N)) {
     return Finding{"noise", fmt::format("with the tip at rest the force swings by {:.3g} N", at_rest_N),
-                   fmt::format("a block 40 mm wide, the tip at rest {:g} mm deep", 1e3 * kDepth_m), at_rest_N, "N"};
+                   fmt::format("a block 40 mm wide, the tip at rest {:g} mm deep", 1e3 * probe_depth_m), at_rest_N,
+                   "N"};
   }
-  const double sliding_N = swing_N([](int i) { return Vec3(kPlace + Vec3(-3.7e-6 * i, 1.3e-6 * i, 0.0)); }, 100, 2000);
+  const double sliding_N = swing_N([](int i) { return Vec3(place + Vec3(-3.7e-6 * i, 1.3e-6 * i, 0.0)); }, 100, 2000);
   if (sliding_N <= allowed_N) return std::nullopt;
-  return Finding{
-      "noise", fmt::format("over a level plane at one depth the normal force saws by {:.3g} N", sliding_N),
-      fmt::format("a block 40 mm wide, the tip sliding over its top {:g} mm deep in steps of 3.9 um", 1e3 * kDepth_m),
-      sliding_N, "N"};
+  return Finding{"noise", fmt::format("over a level plane at one depth the normal force saws by {:.3g} N", sliding_N),
+                 fmt::format("a block 40 mm wide, the tip sliding over its top {:g} mm deep in steps of 3.9 um",
+                             1e3 * probe_depth_m),
+                 sliding_N, "N"};
 }
 
 std::optional<Finding> find_wrong_frame(const Engine& engine) {
@@ -63,7 +64,7 @@ std::optional<Finding> find_wrong_frame(const Engine& engine) {
     // Beside the surface, where rounding says whether there is contact.
     const double depth_m = std::min(i - 20, 20) * 2.5e-5 + 1.3e-6;
     // In steps of which no whole number is a usual pre-sliding path: none ends on the edge between stuck and sliding.
-    const Vec3 foot = kPlace + Vec3(1.37e-5 * std::max(0, i - 40), 0.0, 0.0);
+    const Vec3 foot = place + Vec3(1.37e-5 * std::max(0, i - 40), 0.0, 0.0);
     const Vec3 tip = foot + (engine.tip_radius_m - depth_m) * Vec3::UnitZ();
     const Vec3 f = here.to(tip).f_W_N;
     const Vec3 f_turning = turning.to(tip, random.rotation()).f_W_N;
@@ -78,7 +79,7 @@ std::optional<Finding> find_wrong_frame(const Engine& engine) {
     if (find_limitation(engine.cannot, rendering::Ability::rigid_motion) != nullptr) continue;
     const Vec3 f_world = turn.conjugate() * world.to(turn * tip).f_W_N;
     // An epsilon may lie another way in each.
-    const double turned_N = engine.stiffness_N_per_m * (0.01 * kDepth_m + 2.0 * engine.epsilon_m);
+    const double turned_N = engine.stiffness_N_per_m * (0.01 * probe_depth_m + 2.0 * engine.epsilon_m);
     if (!((f_world - f).norm() <= turned_N)) {
       return Finding{
           "wrong-frame",
@@ -100,8 +101,9 @@ std::optional<Finding> find_energy_gained(const Engine& engine) {
     const char* name;
     Vec3 top;
   };
-  for (const Case& one : {Case{level_block(), "a block 40 mm wide", {0.0, 0.0, 0.0}},
-                          Case{surface::sphere_mesh(kHalf_m, 4), "a ball 20 mm in radius", {0.0, 0.0, kHalf_m}}}) {
+  for (const Case& one :
+       {Case{level_block(), "a block 40 mm wide", {0.0, 0.0, 0.0}},
+        Case{surface::sphere_mesh(half_side_m, 4), "a ball 20 mm in radius", {0.0, 0.0, half_side_m}}}) {
     Probe probe(engine, one.mesh);
     // Slowly: what sampling alone explains falls with the size of the steps.
     constexpr int down = 2000;
@@ -110,7 +112,7 @@ std::optional<Finding> find_energy_gained(const Engine& engine) {
     const auto tip_at = [&](int i) -> Vec3 {
       const double press = std::min({i, down, all - i}) / static_cast<double>(down);
       const double angle = 2.0 * M_PI * std::clamp(i - down, 0, round) / round;
-      const double depth_m = press * (kDepth_m + 1e-4) - 1e-4;
+      const double depth_m = press * (probe_depth_m + 1e-4) - 1e-4;
       return one.top +
              Vec3(5e-4 * std::cos(angle) + 1.1e-3, 5e-4 * std::sin(angle) + 0.7e-3, engine.tip_radius_m - depth_m);
     };
@@ -125,14 +127,14 @@ std::optional<Finding> find_energy_gained(const Engine& engine) {
       if (last.contact || now.contact) sampling_J += 0.5 * engine.stiffness_N_per_m * step.squaredNorm();
       last = now;
     }
-    const double allowed_J = sampling_J + engine.stiffness_N_per_m * kDepth_m * (engine.epsilon_m + 1e-12);
+    const double allowed_J = sampling_J + engine.stiffness_N_per_m * probe_depth_m * (engine.epsilon_m + 1e-12);
     if (given_J <= allowed_J) continue;
-    return Finding{
-        "energy-gained",
-        fmt::format("a closed path gives {:.3g} J to the hand; sampling at 1 kHz explains {:.3g} J", given_J,
-                    sampling_J),
-        fmt::format("{}, the tip down to {:g} mm, round a circle of 0.5 mm, and up again", one.name, 1e3 * kDepth_m),
-        given_J, "J"};
+    return Finding{"energy-gained",
+                   fmt::format("a closed path gives {:.3g} J to the hand; sampling at 1 kHz explains {:.3g} J", given_J,
+                               sampling_J),
+                   fmt::format("{}, the tip down to {:g} mm, round a circle of 0.5 mm, and up again", one.name,
+                               1e3 * probe_depth_m),
+                   given_J, "J"};
   }
   return std::nullopt;
 }

@@ -77,10 +77,10 @@ double allowed_N(const Engine& engine, const Slide& slide) {
 // On the level block, of a tip that came to rest.
 Vec3 rested_force_N(const Engine& engine, double depth_m) {
   Probe probe(engine, level_block());
-  probe.approach(kPlace, Vec3::UnitZ(), depth_m);
+  probe.approach(place, Vec3::UnitZ(), depth_m);
   constexpr int rest = 100;
   Vec3 last = Vec3::Zero();
-  for (int i = 0; i < rest; ++i) last = probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N;
+  for (int i = 0; i < rest; ++i) last = probe.press(place, Vec3::UnitZ(), depth_m).f_W_N;
   return last;
 }
 
@@ -125,10 +125,10 @@ std::vector<Crossing> crossings(const TriangleMesh& mesh) {
 double friction_felt(const Engine& engine, double unit) {
   Probe probe(engine, level_block(), unit);
   const Vec3 from(-5e-3, 1.7e-3, 0.0);
-  probe.approach(from, Vec3::UnitZ(), kDepth_m);
+  probe.approach(from, Vec3::UnitZ(), probe_depth_m);
   double most = 0.0;
   for (int i = 1; i <= 1000; ++i) {
-    const rendering::StepResult now = probe.press(from + Vec3(1e-5 * i, 0.0, 0.0), Vec3::UnitZ(), kDepth_m);
+    const rendering::StepResult now = probe.press(from + Vec3(1e-5 * i, 0.0, 0.0), Vec3::UnitZ(), probe_depth_m);
     if (now.f_W_N.z() > 0.0) most = std::max(most, -now.f_W_N.x() / now.f_W_N.z());
   }
   return most;
@@ -156,7 +156,8 @@ std::optional<Finding> find_ball_at_edge_beside(const Engine& engine,
       const double away = std::hypot(x, z);
       return away >= r ? Vec3(x, y_m, z) : Vec3(r / away * x, y_m, r / away * z);
     };
-    Probe probe(engine, surface::box_mesh({-2.0 * kHalf_m, -kHalf_m, -2.0 * kHalf_m}, {0.0, kHalf_m, 0.0}));
+    Probe probe(engine,
+                surface::box_mesh({-2.0 * half_side_m, -half_side_m, -2.0 * half_side_m}, {0.0, half_side_m, 0.0}));
     const double from_m = -3.0 * r;
     probe.to({from_m, y_m, 2.0 * r});
     for (int i = 1; i <= 20; ++i) probe.to({from_m, y_m, 2.0 * r + (z - 2.0 * r) * i / 20.0});
@@ -192,7 +193,7 @@ std::optional<Finding> find_sticks_at_flat_edges(const Engine& engine) {
   for (const double bend : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10}) {
     for (const double sign : {1.0, -1.0}) {
       slide.angle_rad = sign * bend;
-      const SlideResult result = slide_over(engine, roof(kHalf_m, slide.angle_rad), slide);
+      const SlideResult result = slide_over(engine, roof(half_side_m, slide.angle_rad), slide);
       if (result.worst_N <= allowed_N(engine, slide)) continue;
       return Finding{"sticks-at-flat-edges",
                      fmt::format("behind a {} edge of {:g} rad the force is {:.3g} N off, {:.3g} mm past it",
@@ -208,7 +209,7 @@ std::optional<Finding> find_sticks_at_flat_edges(const Engine& engine) {
 
 std::optional<Finding> find_sticks_at_joints(const Engine& engine) {
   const Slide slide;
-  const double h = kHalf_m;
+  const double h = half_side_m;
   for (const double overlap_m : {0.0, 1e-3}) {
     // Each order of the two bodies, and the joint off the origin's own coordinates.
     for (const bool left_first : {true, false}) {
@@ -237,11 +238,11 @@ std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
     TriangleMesh mesh;
     const char* name;
   };
-  std::vector<Case> cases{{nested_sheet(kHalf_m, 1e-3), "a plane sheet 40 mm wide"}};
+  std::vector<Case> cases{{nested_sheet(half_side_m, 1e-3), "a plane sheet 40 mm wide"}};
   // Where the surface bends, a renderer may declare that it jumps. Between triangles of one plane there is nothing that
   // could.
   if (find_limitation(engine.cannot, rendering::Ability::continuous_force) == nullptr)
-    cases.insert(cases.begin(), {surface::sphere_mesh(kHalf_m, 4), "a ball of 2048 triangles, 20 mm in radius"});
+    cases.insert(cases.begin(), {surface::sphere_mesh(half_side_m, 4), "a ball of 2048 triangles, 20 mm in radius"});
   for (const Case& one : cases) {
     Probe probe(engine, one.mesh);
     const auto edges = crossings(one.mesh);
@@ -303,7 +304,7 @@ std::optional<Finding> find_friction_lost(const Engine& engine) {
   if (engine.friction == 0.0) return std::nullopt;
   for (const double unit : {1.0, 1e-3, 1e3}) {
     // Pressed by less than some epsilons an engine need not feel the body.
-    if (kDepth_m * unit < 4.0 * engine.epsilon_m) continue;
+    if (probe_depth_m * unit < 4.0 * engine.epsilon_m) continue;
     const double felt = friction_felt(engine, unit);
     if (felt >= 0.5 * engine.friction) continue;
     return Finding{"friction-lost",
@@ -311,7 +312,7 @@ std::optional<Finding> find_friction_lost(const Engine& engine) {
                                "is declared; lengths in units of {:g} m",
                                felt, engine.friction, 1.0 / unit),
                    fmt::format("a block 40 mm wide, lengths times {:g}, the tip {:g} mm deep, dragged 10 mm at 10 mm/s",
-                               unit, 1e3 * kDepth_m),
+                               unit, 1e3 * probe_depth_m),
                    felt, "1"};
   }
   return std::nullopt;

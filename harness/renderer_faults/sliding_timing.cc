@@ -15,8 +15,8 @@
 namespace touchstone::renderer_faults {
 namespace {
 
-constexpr std::size_t kSlidFrom = 64;  // samples that are only remembered
-constexpr std::size_t kLongestLag = 24;
+constexpr std::size_t slid_from = 64;  // samples that are only remembered
+constexpr std::size_t longest_lag = 24;
 
 struct Phases {
   std::size_t period = 0;
@@ -51,38 +51,38 @@ Timing late_contact_point(const Engine& engine, const Phases& phases, double mor
 // With friction, which takes what is sideways up to its cone: the contact point of the sample before pulls beyond the
 // cone, if the steps are as long as twice what the cone holds.
 std::optional<Timing> with_friction(const Engine& engine) {
-  const double step_m = std::max(2.0 * engine.friction * kDepth_m, 3.0 * engine.epsilon_m);
+  const double step_m = std::max(2.0 * engine.friction * probe_depth_m, 3.0 * engine.epsilon_m);
   constexpr double way_m = 0.03;
   constexpr int least_steps = 20;
   const int steps = static_cast<int>(way_m / step_m);
   if (steps < least_steps) return std::nullopt;
   Probe probe(engine, level_block());
-  const Vec3 start = kPlace - Vec3(0.5 * way_m, 0.0, 0.0);
-  probe.approach(start, Vec3::UnitZ(), kDepth_m);
+  const Vec3 start = place - Vec3(0.5 * way_m, 0.0, 0.0);
+  probe.approach(start, Vec3::UnitZ(), probe_depth_m);
   std::array<double, 2> share{};  // of the load, in the even and the odd samples of the second half
   const int counted = steps / 4;
   for (int i = 0; i < steps; ++i) {
-    const Vec3 now_N = probe.press(start + Vec3(i * step_m, 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N;
+    const Vec3 now_N = probe.press(start + Vec3(i * step_m, 0.0, 0.0), Vec3::UnitZ(), probe_depth_m).f_W_N;
     if (i >= steps - 2 * counted) share[static_cast<std::size_t>(i % 2)] += std::abs(now_N.x()) / now_N.z() / counted;
   }
   const auto [low, high] = std::minmax(share[0], share[1]);
   if (!(high > 1.5 * engine.friction && low < 1.1 * engine.friction)) return std::nullopt;
   return late_contact_point(engine, {.period = 2, .late = 1},
-                            (high - engine.friction) * engine.stiffness_N_per_m * kDepth_m, "beyond its friction");
+                            (high - engine.friction) * engine.stiffness_N_per_m * probe_depth_m, "beyond its friction");
 }
 
 // The shortest period in which some samples have nearly none of the sideways force of others; nothing where there is
 // none.
 std::optional<Timing> by_phases(const Engine& engine, const std::vector<double>& sideways_N) {
   constexpr std::size_t longest = 64;
-  const double least_force_N = engine.stiffness_N_per_m * 2e-3 * kDepth_m;
+  const double least_force_N = engine.stiffness_N_per_m * 2e-3 * probe_depth_m;
   for (std::size_t period = 2; period <= longest; ++period) {
     // An epsilon is the same in every second sample; of the few of a longer period it may move some more than others.
     const double clearly = period == 2 ? 3.0 : 10.0;
     const double allowed_N = period == 2 ? least_force_N : least_force_N + engine.stiffness_N_per_m * engine.epsilon_m;
     std::vector<double> rms_N(period, 0.0);
     std::vector<double> samples(period, 0.0);
-    for (std::size_t i = kSlidFrom; i < sideways_N.size(); ++i) {
+    for (std::size_t i = slid_from; i < sideways_N.size(); ++i) {
       rms_N[i % period] += sideways_N[i] * sideways_N[i];
       samples[i % period] += 1.0;
     }
@@ -106,23 +106,23 @@ Timing timing_of_slides(const Engine& engine) {
   const double largest_step_m = std::max(4e-5, 3.0 * engine.epsilon_m);
   const double reach_m = 25.0 * largest_step_m;
   Probe probe(engine, level_block());
-  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  probe.approach(place, Vec3::UnitZ(), probe_depth_m);
   Random random(212);
   std::vector<double> x_m{0.0};
   std::vector<double> sideways_N{0.0};
   for (std::size_t i = 1; i < steps; ++i) {
     x_m.push_back(std::clamp(x_m.back() + largest_step_m * random.uniform(-1.0, 1.0), -reach_m, reach_m));
-    sideways_N.push_back(probe.press(kPlace + Vec3(x_m.back(), 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N.x());
+    sideways_N.push_back(probe.press(place + Vec3(x_m.back(), 0.0, 0.0), Vec3::UnitZ(), probe_depth_m).f_W_N.x());
   }
   if (auto late = by_phases(engine, sideways_N)) return *late;
   if (engine.friction > 0.0) return with_friction(engine).value_or(Timing{});
   double most_N = 0.0;
-  for (std::size_t i = kSlidFrom; i < steps; ++i) most_N += sideways_N[i] * sideways_N[i];
-  most_N = std::sqrt(most_N / static_cast<double>(steps - kSlidFrom));
-  if (most_N <= engine.stiffness_N_per_m * (2e-3 * kDepth_m + engine.epsilon_m)) return {};
-  for (std::size_t lag = 1; lag < kLongestLag; ++lag) {
+  for (std::size_t i = slid_from; i < steps; ++i) most_N += sideways_N[i] * sideways_N[i];
+  most_N = std::sqrt(most_N / static_cast<double>(steps - slid_from));
+  if (most_N <= engine.stiffness_N_per_m * (2e-3 * probe_depth_m + engine.epsilon_m)) return {};
+  for (std::size_t lag = 1; lag < longest_lag; ++lag) {
     double off = 0.0, all = 0.0;
-    for (std::size_t i = kSlidFrom; i < steps; ++i) {
+    for (std::size_t i = slid_from; i < steps; ++i) {
       const double late_N = engine.stiffness_N_per_m * (x_m[i - lag] - x_m[i]);
       off += (sideways_N[i] - late_N) * (sideways_N[i] - late_N);
       all += sideways_N[i] * sideways_N[i];

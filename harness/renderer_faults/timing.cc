@@ -18,25 +18,25 @@
 namespace touchstone::renderer_faults {
 namespace {
 
-constexpr std::size_t kLevels = 32;
-constexpr std::size_t kMemory = 24;  // samples within which no depth comes twice: lags up to there can be told apart
-constexpr std::size_t kSteps = 1600;
-constexpr std::size_t kLongestPeriod = 200;  // of lags that repeat themselves
-constexpr std::size_t kFrom = 64;            // samples that are only remembered
-constexpr double kShallow_m = 2e-4;
-constexpr double kDeep_m = 1e-3;
+constexpr std::size_t level_count = 32;
+constexpr std::size_t memory = 24;  // samples within which no depth comes twice: lags up to there can be told apart
+constexpr std::size_t step_count = 1600;
+constexpr std::size_t longest_period = 200;  // of lags that repeat themselves
+constexpr std::size_t from = 64;             // samples that are only remembered
+constexpr double shallow_press_m = 2e-4;
+constexpr double deep_press_m = 1e-3;
 
 // Longer lags are one number of samples for all, up to this time.
-constexpr double kLongestLag_s = 0.04;
+constexpr double longest_lag_s = 0.04;
 
 // The normal force once it no longer changes: over 128 samples, or the longest lag, by less than a ten thousandth of
 // the load. What never comes to rest is read as the median of the last ones.
 double settled_N(Probe& probe, double depth_m, const Vec3& along, double load_N, double rate_Hz) {
-  const auto window = std::max<std::size_t>(128, static_cast<std::size_t>(kLongestLag_s * rate_Hz) + 1);
+  const auto window = std::max<std::size_t>(128, static_cast<std::size_t>(longest_lag_s * rate_Hz) + 1);
   constexpr int most_windows = 24;
   std::vector<double> last(window);
   for (int i = 0; i < most_windows; ++i) {
-    for (double& force : last) force = probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.dot(along);
+    for (double& force : last) force = probe.press(place, Vec3::UnitZ(), depth_m).f_W_N.dot(along);
     const auto [low, high] = std::ranges::minmax(last);
     if (high - low <= 1e-4 * load_N) break;
   }
@@ -48,9 +48,9 @@ Vec3 direction_of_force(const Engine& engine, double shallow_m, double deep_m) {
   Probe probe(engine, level_block());
   constexpr int rest = 600;
   const auto at = [&](double depth_m) {
-    probe.approach(kPlace, Vec3::UnitZ(), depth_m);
+    probe.approach(place, Vec3::UnitZ(), depth_m);
     Vec3 last = Vec3::Zero();
-    for (int i = 0; i < rest; ++i) last = probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N;
+    for (int i = 0; i < rest; ++i) last = probe.press(place, Vec3::UnitZ(), depth_m).f_W_N;
     return last;
   };
   const Vec3 shallow = at(shallow_m);
@@ -68,28 +68,28 @@ struct Response {
 
 Response response_to_jumps(const Engine& engine) {
   Probe probe(engine, level_block());
-  const double load_N = engine.stiffness_N_per_m * kDeep_m;
-  const Vec3 along = direction_of_force(engine, kShallow_m, kDeep_m);
+  const double load_N = engine.stiffness_N_per_m * deep_press_m;
+  const Vec3 along = direction_of_force(engine, shallow_press_m, deep_press_m);
   const auto depth_m = [](std::size_t level) {
-    return kShallow_m + (kDeep_m - kShallow_m) * static_cast<double>(level) / (kLevels - 1);
+    return shallow_press_m + (deep_press_m - shallow_press_m) * static_cast<double>(level) / (level_count - 1);
   };
-  probe.approach(kPlace, Vec3::UnitZ(), kShallow_m);
-  std::vector<double> settled(kLevels);
-  for (std::size_t level = 0; level < kLevels; ++level)
+  probe.approach(place, Vec3::UnitZ(), shallow_press_m);
+  std::vector<double> settled(level_count);
+  for (std::size_t level = 0; level < level_count; ++level)
     settled[level] = settled_N(probe, depth_m(level), along, load_N, engine.rate_Hz);
   Response response;
   const auto [low, high] = std::ranges::minmax(settled);
-  response.spacing_N = (high - low) / (kLevels - 1);
+  response.spacing_N = (high - low) / (level_count - 1);
   Random random(211);
   std::vector<std::size_t> levels;
-  for (std::size_t i = 0; i < kSteps; ++i) {
-    const std::size_t remembered = std::min(kMemory, levels.size());
-    std::size_t level = random.below(kLevels);
+  for (std::size_t i = 0; i < step_count; ++i) {
+    const std::size_t remembered = std::min(memory, levels.size());
+    std::size_t level = random.below(level_count);
     while (std::find(levels.end() - static_cast<std::ptrdiff_t>(remembered), levels.end(), level) != levels.end())
-      level = (level + 1) % kLevels;
+      level = (level + 1) % level_count;
     levels.push_back(level);
     response.settled_N.push_back(settled[level]);
-    response.force_N.push_back(probe.press(kPlace, Vec3::UnitZ(), depth_m(level)).f_W_N.dot(along));
+    response.force_N.push_back(probe.press(place, Vec3::UnitZ(), depth_m(level)).f_W_N.dot(along));
   }
   return response;
 }
@@ -100,7 +100,7 @@ std::optional<Timing> find_hold(const Engine& engine, const Response& response) 
   const auto& s = response.settled_N;
   std::vector<std::size_t> updates;
   std::size_t repeated = 0;
-  for (std::size_t i = kFrom; i < f.size(); ++i) {
+  for (std::size_t i = from; i < f.size(); ++i) {
     const bool same = std::abs(f[i] - f[i - 1]) <= 1e-9 * std::abs(f[i]);
     if (same && std::abs(s[i] - s[i - 1]) > 0.5 * response.spacing_N) {
       ++repeated;
@@ -109,7 +109,7 @@ std::optional<Timing> find_hold(const Engine& engine, const Response& response) 
     }
   }
   constexpr double least_share = 0.4;  // every second answer is new at least
-  if (updates.size() < 3 || static_cast<double>(repeated) < least_share * static_cast<double>(f.size() - kFrom))
+  if (updates.size() < 3 || static_cast<double>(repeated) < least_share * static_cast<double>(f.size() - from))
     return std::nullopt;
   std::vector<double> gaps;
   for (std::size_t i = 1; i < updates.size(); ++i) gaps.push_back(static_cast<double>(updates[i] - updates[i - 1]));
@@ -128,8 +128,8 @@ std::optional<Timing> find_hold(const Engine& engine, const Response& response) 
   });
   const double longest = std::ranges::max(gaps);
   // An update may be late itself.
-  std::array<double, kMemory> off{};
-  for (std::size_t lag = 0; lag < kMemory; ++lag) {
+  std::array<double, memory> off{};
+  for (std::size_t lag = 0; lag < memory; ++lag) {
     for (const std::size_t i : updates) off[lag] += std::abs(f[i] - s[i - lag]);
   }
   const auto late = std::ranges::min_element(off) - off.begin();
@@ -153,9 +153,9 @@ std::optional<Timing> find_hold(const Engine& engine, const Response& response) 
 // Of each sample the fewest samples ago at which its force was right; -1 where it never was.
 std::vector<int> lags_of(const Response& response) {
   std::vector<int> lags;
-  for (std::size_t i = kFrom; i < response.force_N.size(); ++i) {
+  for (std::size_t i = from; i < response.force_N.size(); ++i) {
     int lag = -1;
-    for (std::size_t back = 0; back < kMemory && lag < 0; ++back) {
+    for (std::size_t back = 0; back < memory && lag < 0; ++back) {
       if (std::abs(response.force_N[i] - response.settled_N[i - back]) <= 0.25 * response.spacing_N)
         lag = static_cast<int>(back);
     }
@@ -170,7 +170,7 @@ double share_of(const std::vector<int>& lags, int lag) {
 
 // The shortest period after which 98 % of the late samples are as late again; 0: there is none.
 std::size_t period_of(const std::vector<int>& lags) {
-  for (std::size_t period = 2; period <= kLongestPeriod; ++period) {
+  for (std::size_t period = 2; period <= longest_period; ++period) {
     std::size_t late = 0, again = 0;
     for (std::size_t i = period; i < lags.size(); ++i) {
       if (lags[i] <= 0) continue;
@@ -211,10 +211,10 @@ std::optional<Timing> by_lags(const Engine& engine, const std::vector<int>& lags
 // One lag beyond those within which no depth comes twice: another one is right by chance in every thirtieth sample.
 std::optional<Timing> by_long_lag(const Engine& engine, const Response& response) {
   constexpr std::size_t compared = 1000;
-  const auto longest = std::max<std::size_t>(128, static_cast<std::size_t>(kLongestLag_s * engine.rate_Hz));
-  for (std::size_t lag = kMemory; lag <= std::min(longest, kSteps - compared); ++lag) {
+  const auto longest = std::max<std::size_t>(128, static_cast<std::size_t>(longest_lag_s * engine.rate_Hz));
+  for (std::size_t lag = memory; lag <= std::min(longest, step_count - compared); ++lag) {
     std::size_t right = 0;
-    for (std::size_t i = kSteps - compared; i < kSteps; ++i)
+    for (std::size_t i = step_count - compared; i < step_count; ++i)
       right += std::abs(response.force_N[i] - response.settled_N[i - lag]) <= 0.25 * response.spacing_N ? 1U : 0U;
     if (50 * right >= 49 * compared) return delayed(engine, static_cast<double>(lag));
   }
@@ -244,16 +244,16 @@ int measured_settling_samples(const Engine& engine) {
   constexpr double longest_s = 0.5;
   const int least = std::max(1500, static_cast<int>(longest_s * engine.rate_Hz));
   Probe probe(engine, level_block());
-  probe.approach(kPlace, Vec3::UnitZ(), kShallow_m);
+  probe.approach(place, Vec3::UnitZ(), shallow_press_m);
   int longest = 0;
   for (int jump = 0; jump < jumps; ++jump) {
     // Each at another place of whatever comes again and again.
     constexpr int more = 37;
     const int rest = least + more * jump;
-    const double depth_m = kShallow_m + (jump % 2 == 0 ? jump_m : 0.0);
+    const double depth_m = shallow_press_m + (jump % 2 == 0 ? jump_m : 0.0);
     std::vector<double> force_N;
     force_N.reserve(static_cast<std::size_t>(rest));
-    for (int i = 0; i < rest; ++i) force_N.push_back(probe.press(kPlace, Vec3::UnitZ(), depth_m).f_W_N.z());
+    for (int i = 0; i < rest; ++i) force_N.push_back(probe.press(place, Vec3::UnitZ(), depth_m).f_W_N.z());
     const double off_N = 1e-4 * engine.stiffness_N_per_m * jump_m;
     const auto last = std::find_if(force_N.rbegin(), force_N.rend(),
                                    [&](double now_N) { return !(std::abs(now_N - force_N.back()) <= off_N); });
@@ -268,7 +268,7 @@ int measured_settling_samples(const Engine& engine) {
 Timing by_filter(const Engine& engine, const Response& response) {
   Timing timing;
   timing.kind = TimingKind::unclear;
-  const auto arx = simplest_arx(response.force_N, response.settled_N, kFrom);
+  const auto arx = simplest_arx(response.force_N, response.settled_N, from);
   if (!arx) return timing;
   // At once at least the settled force: damping, relaxation.
   constexpr double at_once = 0.95;
@@ -294,9 +294,9 @@ Timing by_filter(const Engine& engine, const Response& response) {
 // The lag that leaves least of the force's variance, where no model says more: with damping or relaxation the depth of
 // now does not say everything, but that of another sample must not say it better.
 void by_variance(const Engine& engine, const Response& response, Timing& timing) {
-  std::vector<double> left(kMemory + 1, 0.0);
-  for (std::size_t lag = 0; lag <= kMemory; ++lag) {
-    for (std::size_t i = kFrom; i < response.force_N.size(); ++i) {
+  std::vector<double> left(memory + 1, 0.0);
+  for (std::size_t lag = 0; lag <= memory; ++lag) {
+    for (std::size_t i = from; i < response.force_N.size(); ++i) {
       const double off = response.force_N[i] - response.settled_N[i - lag];
       left[lag] += off * off;
     }
@@ -305,7 +305,7 @@ void by_variance(const Engine& engine, const Response& response, Timing& timing)
   if (least == 0 || !(left[least] < 0.5 * left[0])) return;
   timing = delayed(engine, static_cast<double>(least),
                    fmt::format(", and not by this alone: {:.2g} of the error is left", left[least] / left[0]));
-  timing.settle_samples += static_cast<int>(kMemory);
+  timing.settle_samples += static_cast<int>(memory);
 }
 
 // Up and down at 2 m/s, and by 2 mm a sample at least, up to 10 N.
@@ -316,20 +316,20 @@ std::optional<Timing> with_large_jumps(const Engine& engine) {
   const double deep_m = std::min(deepest_m, most_N / engine.stiffness_N_per_m);
   const double half_m = std::max(0.1, 5.0 * deep_m);
   Probe probe(engine, surface::box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0}));
-  probe.approach(kPlace, Vec3::UnitZ(), kShallow_m);
+  probe.approach(place, Vec3::UnitZ(), shallow_press_m);
   std::vector<double> change_N;
-  const Vec3 along = direction_of_force(engine, kShallow_m, kDeep_m);
-  double last_N = probe.press(kPlace, Vec3::UnitZ(), kShallow_m).f_W_N.dot(along);
+  const Vec3 along = direction_of_force(engine, shallow_press_m, deep_press_m);
+  double last_N = probe.press(place, Vec3::UnitZ(), shallow_press_m).f_W_N.dot(along);
   double worst_N = 0.0;
   constexpr int strokes = 6;
   for (int stroke = 0; stroke < strokes; ++stroke) {
     const int steps = std::max(1, static_cast<int>(deep_m / jump_m));
     const auto depth_at = [&](int i) {
       const double share = static_cast<double>(stroke % 2 == 0 ? i : steps - i) / steps;
-      return kShallow_m + share * (deep_m - kShallow_m);
+      return shallow_press_m + share * (deep_m - shallow_press_m);
     };
     for (int i = 1; i <= steps; ++i) {
-      const double now_N = probe.press(kPlace, Vec3::UnitZ(), depth_at(i)).f_W_N.dot(along);
+      const double now_N = probe.press(place, Vec3::UnitZ(), depth_at(i)).f_W_N.dot(along);
       change_N.push_back(now_N - last_N);
       last_N = now_N;
     }
@@ -337,7 +337,7 @@ std::optional<Timing> with_large_jumps(const Engine& engine) {
     constexpr int rest = 400;
     const double first_N = last_N;
     for (int i = 0; i < rest; ++i) {
-      const double now_N = probe.press(kPlace, Vec3::UnitZ(), depth_at(steps)).f_W_N.dot(along);
+      const double now_N = probe.press(place, Vec3::UnitZ(), depth_at(steps)).f_W_N.dot(along);
       // Here, too, it changes by no more than the figure, as often as the way is long.
       if (std::abs(now_N - last_N) > 0.0) change_N.push_back(now_N - last_N);
       last_N = now_N;
@@ -355,16 +355,16 @@ std::vector<std::pair<std::string, std::string>> other_kinds(const Response& res
   const auto& s = response.settled_N;
   double sum_N = 0.0, squares = 0.0, most_N = 0.0;
   std::size_t again = 0, at_most = 0;
-  std::array<double, kMemory> late{};
-  for (std::size_t i = kFrom; i < f.size(); ++i) {
+  std::array<double, memory> late{};
+  for (std::size_t i = from; i < f.size(); ++i) {
     sum_N += f[i];
     squares += f[i] * f[i];
-    for (std::size_t lag = 0; lag < kMemory; ++lag) late[lag] += (f[i] - s[i - lag]) * (f[i] - s[i - lag]);
+    for (std::size_t lag = 0; lag < memory; ++lag) late[lag] += (f[i] - s[i - lag]) * (f[i] - s[i - lag]);
     most_N = std::max(most_N, std::abs(f[i] - f[i - 1]));
     again += f[i] == f[i - 1] ? 1 : 0;
   }
-  for (std::size_t i = kFrom; i < f.size(); ++i) at_most += std::abs(f[i] - f[i - 1]) > (1.0 - 1e-6) * most_N ? 1 : 0;
-  const auto count = static_cast<double>(f.size() - kFrom);
+  for (std::size_t i = from; i < f.size(); ++i) at_most += std::abs(f[i] - f[i - 1]) > (1.0 - 1e-6) * most_N ? 1 : 0;
+  const auto count = static_cast<double>(f.size() - from);
   const double variance = squares - sum_N * sum_N / count;
   constexpr double exact = 1e-3;
   if (!(late[0] > exact * variance)) return {};
@@ -373,8 +373,8 @@ std::vector<std::pair<std::string, std::string>> other_kinds(const Response& res
   constexpr int tried = 20;
   for (int k = 1; k < tried; ++k) {
     const double a = static_cast<double>(k) / tried;
-    double left = 0.0, output_N = f[kFrom - 1];
-    for (std::size_t i = kFrom; i < f.size(); ++i) {
+    double left = 0.0, output_N = f[from - 1];
+    for (std::size_t i = from; i < f.size(); ++i) {
       output_N = a * output_N + (1.0 - a) * s[i];
       left += (f[i] - output_N) * (f[i] - output_N);
     }
@@ -403,8 +403,8 @@ Timing timing_of(const Engine& engine, const Response& response) {
     return *later;
   } else {
     std::vector<double> change_N;
-    for (std::size_t i = kFrom; i < kSteps; ++i) change_N.push_back(response.force_N[i] - response.force_N[i - 1]);
-    if (auto clipped = find_clipped(change_N, engine.stiffness_N_per_m * kDeep_m)) return *clipped;
+    for (std::size_t i = from; i < step_count; ++i) change_N.push_back(response.force_N[i] - response.force_N[i - 1]);
+    if (auto clipped = find_clipped(change_N, engine.stiffness_N_per_m * deep_press_m)) return *clipped;
     timing = by_filter(engine, response);
   }
   if (timing.kind == TimingKind::exact || timing.kind == TimingKind::unclear) {

@@ -35,25 +35,25 @@ class CostHistogram {
   }
 
  private:
-  static constexpr int kPerOctave = 128;
-  static constexpr int kOctaves = 40;  // 1 ns to 18 minutes
+  static constexpr int per_octave = 128;
+  static constexpr int octaves = 40;  // 1 ns to 18 minutes
   // Octave from the exponent, then linear within it.
   static std::size_t bucket(double ns) noexcept {
     if (ns < 1.0) return 0;
     int exponent = 0;
     const double mantissa = std::frexp(ns, &exponent);  // in [0.5, 1)
-    const int index = 1 + (exponent - 1) * kPerOctave + static_cast<int>((mantissa - 0.5) * 2 * kPerOctave);
-    return index < kPerOctave * kOctaves ? static_cast<std::size_t>(index)
-                                         : static_cast<std::size_t>(kPerOctave * kOctaves);
+    const int index = 1 + (exponent - 1) * per_octave + static_cast<int>((mantissa - 0.5) * 2 * per_octave);
+    return index < per_octave * octaves ? static_cast<std::size_t>(index)
+                                        : static_cast<std::size_t>(per_octave * octaves);
   }
   static double value(std::size_t index) noexcept {
     if (index == 0) return 0.5;
-    const auto octave = static_cast<int>((index - 1) / kPerOctave);
-    const auto step = static_cast<double>((index - 1) % kPerOctave) + 0.5;
-    return std::ldexp(1.0 + step / kPerOctave, octave);
+    const auto octave = static_cast<int>((index - 1) / per_octave);
+    const auto step = static_cast<double>((index - 1) % per_octave) + 0.5;
+    return std::ldexp(1.0 + step / per_octave, octave);
   }
 
-  std::array<std::uint64_t, kPerOctave * kOctaves + 1> buckets_{};
+  std::array<std::uint64_t, per_octave * octaves + 1> buckets_{};
   std::uint64_t count_ = 0;
   double sum_ns_ = 0.0;
   double max_ns_ = 0.0;

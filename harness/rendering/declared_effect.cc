@@ -22,7 +22,7 @@
 namespace touchstone::rendering {
 namespace {
 
-constexpr const char* kEffectSchema = "touchstone-effect/1";
+constexpr const char* effect_schema = "touchstone-effect/1";
 
 struct Kind {
   std::string_view name;
@@ -296,7 +296,7 @@ const std::vector<DeclaredVariable>& variables_of(ActsOn acts_on) {
 
 DeclaredEffect read_effect(const nlohmann::json& value, const std::string& source, const std::string& place) {
   JsonObject root(value, source, place);
-  root.schema(kEffectSchema);
+  root.schema(effect_schema);
   DeclaredEffect effect;
   effect.name = root.text("name");
   if (!is_effect_name(effect.name))
@@ -325,7 +325,7 @@ DeclaredEffect load_effect(const std::filesystem::path& path) {
 }
 
 nlohmann::ordered_json effect_document(const DeclaredEffect& effect) {
-  nlohmann::ordered_json document{{"schema", kEffectSchema},
+  nlohmann::ordered_json document{{"schema", effect_schema},
                                   {"name", effect.name},
                                   {"summary", effect.summary},
                                   {"source", effect.source},

@@ -21,13 +21,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using touchstone::testing::message_of;
 
-constexpr const char* kDrag = R"({"schema": "touchstone-effect/1", "name": "quadratic-drag",
+constexpr const char* drag_effect = R"({"schema": "touchstone-effect/1", "name": "quadratic-drag",
  "summary": "drag that grows with the square of the speed", "source": "Newton 1687", "acts_on": "friction",
  "contains": ["viscous-friction"],
  "parameters": {"c": {"unit": "N s^2/m^2", "minimum": 0, "maximum": 1e4, "start": [0.5, 5], "meaning": "drag"}},
  "formula": {"along_N": "-c * speed_m_per_s^2"}})";
 
-constexpr const char* kHysteresis = R"({"schema": "touchstone-effect/1", "name": "dahl",
+constexpr const char* hysteresis = R"({"schema": "touchstone-effect/1", "name": "dahl",
  "summary": "a bristle", "source": "Dahl 1968", "acts_on": "friction",
  "parameters": {"mu": {"unit": "1", "minimum": 0, "maximum": 5, "start": 0.2},
                 "s": {"unit": "m", "minimum": 1e-6, "maximum": 1, "start": 1e-3}},
@@ -36,7 +36,7 @@ constexpr const char* kHysteresis = R"({"schema": "touchstone-effect/1", "name":
 
 // The drag's file with one piece of text in the place of another one.
 std::string with(const std::string& old_text, const std::string& new_text) {
-  std::string text = kDrag;
+  std::string text = drag_effect;
   const std::size_t at = text.find(old_text);
   EXPECT_NE(at, std::string::npos) << old_text;
   return text.replace(at, old_text.size(), new_text);
@@ -83,7 +83,7 @@ TEST(UnitDimension, CountsPowers) {
 }
 
 TEST(DeclaredEffect, ReadsWhatTheFileSays) {
-  const DeclaredEffect effect = parse_effect(kDrag, "drag.json");
+  const DeclaredEffect effect = parse_effect(drag_effect, "drag.json");
   EXPECT_EQ(effect.name, "quadratic-drag");
   EXPECT_EQ(effect.acts_on, ActsOn::friction);
   ASSERT_EQ(effect.parameters.size(), 1U);
@@ -97,7 +97,7 @@ TEST(DeclaredEffect, ReadsWhatTheFileSays) {
 }
 
 TEST(DeclaredEffect, WritesWhatItReadsBack) {
-  for (const char* const text : {kDrag, kHysteresis}) {
+  for (const char* const text : {drag_effect, hysteresis}) {
     const DeclaredEffect effect = parse_effect(text, "a.json");
     const DeclaredEffect again = parse_effect(effect_to_json(effect), "b.json");
     EXPECT_EQ(effect_to_json(again), effect_to_json(effect));
@@ -136,7 +136,7 @@ TEST(DeclaredEffect, RefusesFormulasThatHideAUnit) {
 }
 
 TEST(DeclaredEffect, HoldsTheRatesOfStatesAgainstTheirUnits) {
-  std::string text = kHysteresis;
+  std::string text = hysteresis;
   text.replace(text.find("vx_m_per_s - abs"), 10, "x_m       ");
   EXPECT_THAT(message_of([&] { (void)parse_effect(text, "dahl.json"); }),
               AllOf(HasSubstr("dahl.json: /states/z/rate"), HasSubstr("m per second")));
@@ -145,7 +145,7 @@ TEST(DeclaredEffect, HoldsTheRatesOfStatesAgainstTheirUnits) {
 TEST(DeclaredEffect, AModelNamesItsFileOrHoldsItsText) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "declared_effect";
   std::filesystem::create_directories(folder);
-  std::ofstream(folder / "drag.json") << kDrag;
+  std::ofstream(folder / "drag.json") << drag_effect;
   std::ofstream(folder / "model.json") << R"({"schema": "touchstone-model/1", "renderer": "god-object",
     "parameters": {"stiffness_N_per_m": 500},
     "effects": [{"name": "quadratic-drag", "law": "drag.json", "parameters": {"c": 3}}]})";
@@ -161,7 +161,7 @@ TEST(DeclaredEffect, AModelRefusesALawOfAnotherNameOrSide) {
   const auto refused = [](const std::string& list, const std::string& name) {
     return message_of([&] {
       (void)parse_model(R"({"schema": "touchstone-model/1", "renderer": "god-object", ")" + list + R"(": [{"name": ")" +
-                            name + R"(", "law": )" + kDrag + "}]}",
+                            name + R"(", "law": )" + drag_effect + "}]}",
                         "m.json");
     });
   };

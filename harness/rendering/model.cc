@@ -13,7 +13,7 @@
 namespace touchstone::rendering {
 namespace {
 
-constexpr const char* kSchema = "touchstone-model/1";
+constexpr const char* model_schema = "touchstone-model/1";
 
 std::map<std::string, double> read_parameters(JsonObject& owner) {
   std::map<std::string, double> parameters;
@@ -87,7 +87,7 @@ Model parse_model(std::string_view text, std::string_view source) {
 Model parse_model(std::string_view text, std::string_view source, const std::filesystem::path& folder) {
   const nlohmann::json document = parse_json(text, source);
   JsonObject root(document, std::string(source), "");
-  root.schema(kSchema);
+  root.schema(model_schema);
   Model model;
   model.source = source;
   model.renderer = root.text("renderer");
@@ -100,7 +100,7 @@ Model parse_model(std::string_view text, std::string_view source, const std::fil
 
 std::string model_to_json(const Model& model, const std::filesystem::path& folder) {
   nlohmann::ordered_json document;
-  document["schema"] = kSchema;
+  document["schema"] = model_schema;
   document["renderer"] = model.renderer;
   document["parameters"] = model.parameters;
   document["effects"] = to_json(model.effects, folder);

@@ -18,14 +18,14 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using touchstone::testing::message_of;
 
-constexpr const char* kText = R"({"schema": "touchstone-model/1",
+constexpr const char* model_text = R"({"schema": "touchstone-model/1",
  "renderer": "god-object",
  "parameters": {"stiffness_N_per_m": 600},
  "effects":    [{"name": "coulomb-friction", "parameters": {"mu_static": 0.3, "mu_dynamic": 0.25}}],
  "instrument": [{"name": "force-bias", "parameters": {"fx_N": 0.1, "fy_N": 0.0, "fz_N": -0.05}}]})";
 
 TEST(Model, ReadsWhatTheFileSays) {
-  const Model model = parse_model(kText, "m.json");
+  const Model model = parse_model(model_text, "m.json");
   EXPECT_EQ(model.renderer, "god-object");
   EXPECT_EQ(model.parameters.at("stiffness_N_per_m"), 600.0);
   ASSERT_EQ(model.effects.size(), 1U);
@@ -37,7 +37,7 @@ TEST(Model, ReadsWhatTheFileSays) {
 }
 
 TEST(Model, WritesWhatItReadsBackToTheBit) {
-  Model model = parse_model(kText, "m.json");
+  Model model = parse_model(model_text, "m.json");
   model.parameters["stiffness_N_per_m"] = 0.1 + 0.2;
   const Model again = parse_model(model_to_json(model), "again");
   EXPECT_EQ(again.parameters, model.parameters);
@@ -45,7 +45,7 @@ TEST(Model, WritesWhatItReadsBackToTheBit) {
   EXPECT_EQ(model_to_json(again), model_to_json(model));
 }
 
-constexpr const char* kWithPicture = R"({"schema": "touchstone-model/1", "renderer": "god-object",
+constexpr const char* with_picture = R"({"schema": "touchstone-model/1", "renderer": "god-object",
  "effects": [{"name": "height-image", "image": "pictures/hills.pgm"}]})";
 
 // Wherever a model is written to, what it names is the same file.
@@ -55,7 +55,7 @@ TEST(Model, APictureIsNamedAsTheFolderOfTheModelSeesIt) {
   std::filesystem::create_directories(at / "pictures");
   std::filesystem::create_directories(home.path() / "runs" / "first");
   write_file(at / "pictures" / "hills.pgm", "P2 1 1 1 1");
-  write_file(at / "m.json", kWithPicture);
+  write_file(at / "m.json", with_picture);
   const Model model = load_model(at / "m.json");
   EXPECT_EQ(read_file(model.effects[0].image), "P2 1 1 1 1");
   const auto other = home.path() / "runs" / "first" / "model.json";
@@ -63,7 +63,7 @@ TEST(Model, APictureIsNamedAsTheFolderOfTheModelSeesIt) {
   EXPECT_THAT(read_file(other), HasSubstr("\"../../models/pictures/hills.pgm\""));
   EXPECT_TRUE(std::filesystem::equivalent(load_model(other).effects[0].image, at / "pictures" / "hills.pgm"));
   // From inside of another document the folder is said, not guessed from what messages name.
-  EXPECT_EQ(parse_model(kWithPicture, "case.json: /models/soft", at).effects[0].image, model.effects[0].image);
+  EXPECT_EQ(parse_model(with_picture, "case.json: /models/soft", at).effects[0].image, model.effects[0].image);
   // Through a link, ".." leads out of the folder that the link names.
   std::filesystem::create_directory_symlink(home.path() / "runs" / "first", home.path() / "latest");
   write_file(home.path() / "latest" / "again.json", model_to_json(model, home.path() / "latest"));
@@ -75,15 +75,15 @@ TEST(Model, TakesItsPicturesAlongAndOverwritesNone) {
   std::filesystem::create_directories(home.path() / "pictures");
   std::filesystem::create_directories(home.path() / "to");
   write_file(home.path() / "pictures" / "hills.pgm", "P2 1 1 1 1");
-  Model model = parse_model(kWithPicture, "m.json", home.path());
+  Model model = parse_model(with_picture, "m.json", home.path());
   take_pictures_along(model, home.path() / "to");
   EXPECT_EQ(model.effects[0].image, home.path() / "to" / "hills.pgm");
   EXPECT_EQ(read_file(home.path() / "to" / "hills.pgm"), "P2 1 1 1 1");
   EXPECT_THAT(model_to_json(model, home.path() / "to"), HasSubstr("\"image\": \"hills.pgm\""));
-  Model twice = parse_model(kWithPicture, "m.json", home.path());
+  Model twice = parse_model(with_picture, "m.json", home.path());
   take_pictures_along(twice, home.path() / "to");  // the same picture: nothing to do
   write_file(home.path() / "to" / "hills.pgm", "P2 1 1 1 0");
-  Model third = parse_model(kWithPicture, "m.json", home.path());
+  Model third = parse_model(with_picture, "m.json", home.path());
   EXPECT_THAT([&] { take_pictures_along(third, home.path() / "to"); },
               ::testing::ThrowsMessage<UsageError>(HasSubstr("another file")));
   EXPECT_EQ(read_file(home.path() / "to" / "hills.pgm"), "P2 1 1 1 0");
@@ -105,18 +105,18 @@ TEST(Model, RefusesWithThePlace) {
               HasSubstr("/effects"));
 }
 
-const std::vector<ParameterDeclaration> kDeclared{{"stiffness_N_per_m", "N/m", 1.0, 1e6, 500.0, "spring"}};
+const std::vector<ParameterDeclaration> declared{{"stiffness_N_per_m", "N/m", 1.0, 1e6, 500.0, "spring"}};
 
 TEST(Parameters, DefaultsAndValues) {
-  EXPECT_EQ(Parameters(kDeclared, {}, "renderer r", "m.json", "").at("stiffness_N_per_m"), 500.0);
-  EXPECT_EQ(Parameters(kDeclared, {{"stiffness_N_per_m", 7.0}}, "renderer r", "m.json", "").at("stiffness_N_per_m"),
+  EXPECT_EQ(Parameters(declared, {}, "renderer r", "m.json", "").at("stiffness_N_per_m"), 500.0);
+  EXPECT_EQ(Parameters(declared, {{"stiffness_N_per_m", 7.0}}, "renderer r", "m.json", "").at("stiffness_N_per_m"),
             7.0);
-  EXPECT_THROW((void)Parameters(kDeclared, {}, "r", "m", "").at("other"), std::logic_error);
+  EXPECT_THROW((void)Parameters(declared, {}, "r", "m", "").at("other"), std::logic_error);
 }
 
 TEST(Parameters, UnreadAndOutOfRangeAreErrorsWithPlaceAndHelp) {
   const auto refused = [](const char* name, double value) {
-    return message_of([&] { Parameters(kDeclared, {{name, value}}, "renderer r", "m.json", "/effects/2"); });
+    return message_of([&] { Parameters(declared, {{name, value}}, "renderer r", "m.json", "/effects/2"); });
   };
   EXPECT_THAT(refused("stifness_N_per_m", 7.0), AllOf(HasSubstr("m.json: /effects/2/parameters/stifness_N_per_m"),
                                                       HasSubstr("did you mean \"stiffness_N_per_m\"?")));

@@ -61,7 +61,7 @@ std::string operations_to_json(const OperationReport& report) {
                                 {"square_root", n.square_root},
                                 {"compare", n.compare},
                                 {"not_counted", report.not_counted},
-                                {"searches", kHowSearchesAreCounted}}
+                                {"searches", how_searches_are_counted}}
       .dump();
 }
 

@@ -15,7 +15,7 @@
 namespace touchstone::rendering {
 
 // What every count of a renderer on triangles is of, to be said where it is shown.
-inline constexpr std::string_view kHowSearchesAreCounted =
+inline constexpr std::string_view how_searches_are_counted =
     "searches are counted on a plain tree of boxes, not inside Embree or CGAL";
 
 struct OperationReport {
@@ -33,7 +33,7 @@ struct OperationReport {
 OperationReport count_operations(Renderer& counted, const TipSource& source);
 
 // {"total", "mean", "median", "max", "add", "multiply", "divide", "square_root", "compare", "not_counted",
-// "searches": kHowSearchesAreCounted}
+// "searches": how_searches_are_counted}
 std::string operations_to_json(const OperationReport& report);
 
 }  // namespace touchstone::rendering

@@ -15,7 +15,7 @@ namespace touchstone::rendering {
 namespace {
 
 // Enough steps that two clock readings weigh nothing, few enough that reading ahead stays in the cache.
-constexpr std::size_t kBlock = 1024;
+constexpr std::size_t block = 1024;
 
 void check(const Renderer& renderer, const TipState& tip, const StepResult& result, std::uint64_t sample) {
   if (result.status == StepStatus::failed) {
@@ -36,14 +36,14 @@ void check(const Renderer& renderer, const TipState& tip, const StepResult& resu
 // Replays block by block; returns the ticks spent in steps when whole blocks are timed.
 template <class Step, class After>
 std::uint64_t in_blocks(const Renderer& renderer, const TipSource& source, const Step& step, const After& after) {
-  std::vector<TipState> tips(kBlock);
-  std::vector<StepResult> results(kBlock);
+  std::vector<TipState> tips(block);
+  std::vector<StepResult> results(block);
   std::uint64_t done = 0;
-  std::size_t filled = kBlock;
-  while (filled == kBlock) {
+  std::size_t filled = block;
+  while (filled == block) {
     stop_if_asked();
     filled = 0;
-    while (filled < kBlock && source(tips[filled])) ++filled;
+    while (filled < block && source(tips[filled])) ++filled;
     step(std::span<const TipState>(tips.data(), filled), std::span<StepResult>(results.data(), filled));
     for (std::size_t i = 0; i < filled; ++i) {
       check(renderer, tips[i], results[i], done + i);
@@ -69,7 +69,7 @@ std::uint64_t replay(Renderer& renderer, const TipSource& source, const StepSink
         });
   }
   const StepClock clock;
-  std::vector<double> cost_us(kBlock);
+  std::vector<double> cost_us(block);
   return in_blocks(
       renderer, source,
       [&](auto tips, auto results) {

@@ -75,7 +75,8 @@ std::string timing_text(const ReplayTiming& timing) {
 std::string operations_text(const OperationReport& report) {
   return fmt::format("operations of a step: mean {:.1f}, median {:g}, max {}; all {}{} ({})\n", report.mean,
                      report.median, report.max, report.total(),
-                     report.not_counted.empty() ? "" : "; not counted: " + report.not_counted, kHowSearchesAreCounted);
+                     report.not_counted.empty() ? "" : "; not counted: " + report.not_counted,
+                     how_searches_are_counted);
 }
 
 }  // namespace touchstone::rendering

@@ -19,7 +19,7 @@
 namespace touchstone::rendering {
 namespace {
 
-constexpr double kUnitQuaternion = 1e-6;  // how far its length may be off before it is reported as a mistake
+constexpr double unit_quaternion = 1e-6;  // how far its length may be off before it is reported as a mistake
 
 Vec3 read_place(JsonObject& object) {
   if (!object.has("p_m")) return Vec3::Zero();
@@ -33,7 +33,7 @@ Quat read_turn(JsonObject& object) {
   const std::vector<double> q = object.numbers("q_wxyz");
   if (q.size() != 4) object.fail_at("q_wxyz", fmt::format("four numbers were expected: w, x, y, z; got {}", q.size()));
   const Quat turn(q[0], q[1], q[2], q[3]);
-  if (std::abs(turn.norm() - 1.0) > kUnitQuaternion) {
+  if (std::abs(turn.norm() - 1.0) > unit_quaternion) {
     object.fail_at("q_wxyz",
                    fmt::format("its length is {:.9g}; a rotation is a quaternion of length 1, w first", turn.norm()));
   }

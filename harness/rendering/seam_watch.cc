@@ -10,7 +10,7 @@
 namespace touchstone::rendering {
 namespace {
 
-constexpr int kConfirm = 20;
+constexpr int confirm = 20;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ void SeamSearch::look(const TipState& tip, const StepResult& now) noexcept {
   }
   const double step_m = (tip.p_W_m - last_tip_).norm();
   if (last_.contact && last_.depth_m > 2.0 * step_m && near_open_edge(last_.contact_W_m, 2.0 * step_m)) {
-    pending_ = kConfirm;
+    pending_ = confirm;
     candidate_ = {1, tip.t_s, last_.contact_W_m, last_.depth_m};
   }
   if (pending_ == 0) return;

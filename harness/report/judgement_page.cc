@@ -85,8 +85,8 @@ Section channel_section(const pc::JudgedConditions& judged) {
   section.intro =
       "Evidence in just noticeable differences, with its standard error. Force and stiffness are two cues of one "
       "curve: the stronger counts. \"-\": these recordings do not show the channel.";
-  if (judged.conditions.size() > pc::kKeepSeriesUpTo)
-    section.intro += fmt::format(" The {} conditions that are hardest to tell.", pc::kKeepSeriesUpTo);
+  if (judged.conditions.size() > pc::keep_series_up_to)
+    section.intro += fmt::format(" The {} conditions that are hardest to tell.", pc::keep_series_up_to);
   for (const auto* c : by_rank(judged)) {
     Table table;
     table.caption = c->name;
@@ -100,7 +100,7 @@ Section channel_section(const pc::JudgedConditions& judged) {
       table.rows.push_back(std::move(row));
     }
     section.blocks.emplace_back(std::move(table));
-    if (section.blocks.size() == pc::kKeepSeriesUpTo) break;
+    if (section.blocks.size() == pc::keep_series_up_to) break;
   }
   return section;
 }
@@ -115,7 +115,7 @@ Section moment_section(const pc::JudgedConditions& judged) {
   plot.x_label = "time [s]";
   plot.y_label = "difference [JND]";
   plot.levels.emplace_back("1 JND", 1.0);
-  constexpr Tone kTones[] = {Tone::rendered, Tone::error, Tone::reference, Tone::good, Tone::warning, Tone::neutral};
+  constexpr Tone tones[] = {Tone::rendered, Tone::error, Tone::reference, Tone::good, Tone::warning, Tone::neutral};
   Table table;
   table.columns = {"condition", "noticed in", "strongest at", "there"};
   for (const auto& c : judged.conditions) {
@@ -123,7 +123,7 @@ Section moment_section(const pc::JudgedConditions& judged) {
     Line line;
     line.name = c.name;
     line.markers = true;
-    line.tone = kTones[plot.lines.size() % std::size(kTones)];
+    line.tone = tones[plot.lines.size() % std::size(tones)];
     for (const auto& m : c.judgement.moments) {
       line.x.push_back(m.t_s);
       line.y.push_back(m.jnd);
@@ -149,9 +149,9 @@ Section other_section(const pc::JudgedConditions& judged) {
       "Each pair by itself. They compare samples of the same moment: hands that press deeper, faster or later count as "
       "differences. The distance keeps all components. Structural similarity follows the equations of HSSIM; its "
       "published windows and constants could not be had.";
-  constexpr std::size_t kSideBySide = 4;  // as many as a narrow page holds
-  for (std::size_t first = 0; first < judged.conditions.size(); first += kSideBySide) {
-    const std::size_t end = std::min(judged.conditions.size(), first + kSideBySide);
+  constexpr std::size_t side_by_side = 4;  // as many as a narrow page holds
+  for (std::size_t first = 0; first < judged.conditions.size(); first += side_by_side) {
+    const std::size_t end = std::min(judged.conditions.size(), first + side_by_side);
     if (judged.conditions[first].others.empty()) return section;
     Table table;
     table.columns = {"metric"};

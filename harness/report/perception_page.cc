@@ -66,7 +66,7 @@ Section ranking_section(const PerceptualEvaluation& e) {
     table.columns.push_back(fmt::format("{} [{}]", m.method.title, m.method.unit));
     ranks.push_back(ranks_of(e.values(m.method.name), m.method.larger_is_better));
   }
-  for (const std::size_t c : perception_plots::order_of(e.values(perception::kPerceptionSpaceMethod.name))) {
+  for (const std::size_t c : perception_plots::order_of(e.values(perception::perception_space_method.name))) {
     const auto& own = e.conditions[c];
     Table::Row row;
     row.cells = {text_cell(own.name), number_cell(own.distance)};
@@ -151,7 +151,7 @@ Section space_section(const PerceptualEvaluation& e) {
   table.columns = {"scaling"};
   for (const auto& c : e.conditions) table.columns.push_back(c.name);
   if (perception_plots::few(e)) {
-    for (const auto scaling : perception::kFeatureScalings) {
+    for (const auto scaling : perception::feature_scalings) {
       const auto distances = perception::distances_with_scaling(e, scaling, e.explained_share_wanted);
       const auto ranks = ranks_of(distances, false);
       Table::Row row;
@@ -179,7 +179,7 @@ Section disagreement_section(const PerceptualEvaluation& e) {
   table.columns = {"method", "nearer in perception space", "nearer by the method", "deciding feature", "why"};
   for (const auto& m : perception::statistical_methods()) {
     const auto found =
-        perception::disagreements(e, m.method.name, perception_plots::few(e) ? perception::kDisagreementsTold : 5);
+        perception::disagreements(e, m.method.name, perception_plots::few(e) ? perception::disagreements_told : 5);
     counts.rows.push_back({{text_cell(std::string(m.method.title)), number_cell(static_cast<double>(found.pairs)),
                             number_cell(static_cast<double>(found.of))},
                            "",
@@ -302,7 +302,7 @@ Section feature_section(const PerceptualEvaluation& e) {
     const auto& own = e.windows[w];
     Line line;
     line.name = fmt::format("{} samples", own.window);
-    line.tone = perception_plots::kTones[w % perception_plots::kTones.size()];
+    line.tone = perception_plots::tones[w % perception_plots::tones.size()];
     if (own.window < shown)
       thin(line, perception::rate_hardness(force_N, displacement_m, own.window).values_N_per_m, 1.0 / e.rate_Hz);
     plot.lines.push_back(std::move(line));
@@ -337,7 +337,7 @@ Page perception_page(const std::string& title, const PerceptualEvaluation& evalu
   page.title = title;
   page.subtitle =
       "Perceptual evaluation after Shao, Wu and Ouyang: what a person would feel, and what plain statistics say";
-  const auto order = perception_plots::order_of(evaluation.values(perception::kPerceptionSpaceMethod.name));
+  const auto order = perception_plots::order_of(evaluation.values(perception::perception_space_method.name));
   const auto& best = evaluation.conditions[order.front()];
   page.headlines = {
       {"nearest to the real process", best.name, "", fmt::format("distance {:.4g}", best.distance), Tone::good},

@@ -11,12 +11,12 @@ using perception::PerceptualEvaluation;
 Line line_of(const PerceptualEvaluation& e, std::size_t row) {
   Line line;
   line.name = row == 0 ? "real" : e.conditions[row - 1].name;
-  line.tone = row == 0 ? Tone::measured : kTones[(row - 1) % kTones.size()];
-  line.dashed = row > kTones.size();
+  line.tone = row == 0 ? Tone::measured : tones[(row - 1) % tones.size()];
+  line.dashed = row > tones.size();
   return line;
 }
 
-bool few(const PerceptualEvaluation& e) { return e.conditions.size() <= perception::kKeepSeriesUpTo; }
+bool few(const PerceptualEvaluation& e) { return e.conditions.size() <= perception::keep_series_up_to; }
 
 std::vector<std::size_t> order_of(const std::vector<double>& cost) {
   std::vector<std::size_t> order(cost.size());
@@ -33,11 +33,11 @@ LinePlot similarity_plot(const PerceptualEvaluation& e, const std::vector<percep
   plot.x_label = "condition, in the order of the perception space";
   plot.y_label = "relative similarity, 1 is the best";
   plot.height_px = 380;
-  const auto order = order_of(e.values(perception::kPerceptionSpaceMethod.name));
+  const auto order = order_of(e.values(perception::perception_space_method.name));
   const auto add = [&](const std::string& name, const std::vector<double>& values, bool larger_is_better) {
     const auto similarity = perception::relative_similarity(values, larger_is_better);
     const std::size_t tone = plot.lines.size();
-    Line line{name, {}, {}, kTones[tone % kTones.size()], tone >= kTones.size(), few(e)};
+    Line line{name, {}, {}, tones[tone % tones.size()], tone >= tones.size(), few(e)};
     for (std::size_t i = 0; i < order.size(); ++i) {
       line.x.push_back(static_cast<double>(i + 1));
       line.y.push_back(similarity[order[i]]);
@@ -56,7 +56,7 @@ LinePlot similarity_plot(const PerceptualEvaluation& e, const std::vector<percep
 
 std::vector<perception::Method> methods_of_figure_13(bool of_the_paper) {
   std::vector<perception::Method> methods;
-  if (of_the_paper) methods.push_back(perception::kPerceptionSpaceMethod);
+  if (of_the_paper) methods.push_back(perception::perception_space_method);
   for (const auto& m : perception::statistical_methods()) {
     const bool theirs = m.method.name.starts_with("euclidean") || m.method.name.starts_with("pearson");
     if (theirs == of_the_paper) methods.push_back(m.method);

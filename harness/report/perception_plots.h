@@ -11,8 +11,8 @@
 
 namespace touchstone::report::perception_plots {
 
-inline constexpr std::array kTones{Tone::rendered, Tone::error,     Tone::good,
-                                   Tone::warning,  Tone::reference, Tone::neutral};
+inline constexpr std::array tones{Tone::rendered, Tone::error,     Tone::good,
+                                  Tone::warning,  Tone::reference, Tone::neutral};
 
 // An empty line for a row of the space: 0 is the real process. Colours repeat after six conditions; the second six are
 // dashed.

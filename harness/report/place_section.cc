@@ -12,7 +12,7 @@ namespace {
 
 namespace pc = perception;
 
-constexpr double kMost_jnd = 3.0;  // of the colours
+constexpr double most_jnd = 3.0;  // of the colours
 
 // The sides of the map's cells, turned so that each goes with the object's axis that it is nearest to.
 struct MapAxes {
@@ -67,7 +67,7 @@ CellMap map_of(const std::string& name, const pc::PlaceMap& places,
   map.y_label = axes.label[1];
   map.below = fmt::format("JND: {} than the real one", places.less);
   map.above = fmt::format("JND: {}", places.more);
-  map.most = kMost_jnd;
+  map.most = most_jnd;
   map.half_width = true;
   const double half_mm = 0.5e3 * places.cell_m;
   std::size_t unknown = 0;

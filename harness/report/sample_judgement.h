@@ -35,7 +35,7 @@ inline perception::JudgedConditions sample_judgement() {
     condition.name = name;
     condition.rank = judged.conditions.size();
     condition.group = 1;
-    for (std::size_t c = 0; c < perception::kChannels; ++c) {
+    for (std::size_t c = 0; c < perception::channel_count; ++c) {
       perception::ChannelEvidence& own = condition.judgement.channels.emplace_back();
       own.channel = static_cast<perception::Channel>(c);
       own.known = c != 4;

@@ -15,10 +15,10 @@ using perception::PerceptualEvaluation;
 
 // The scale from a little below its least value to a little above its largest, or of their differences.
 std::vector<double> grid(double low, double high) {
-  constexpr int kPoints = 60;
+  constexpr int points = 60;
   const double margin = 0.1 * (high - low);
   std::vector<double> result;
-  for (int i = 0; i <= kPoints; ++i) result.push_back(low - margin + (high - low + 2.0 * margin) * i / kPoints);
+  for (int i = 0; i <= points; ++i) result.push_back(low - margin + (high - low + 2.0 * margin) * i / points);
   return result;
 }
 

@@ -48,8 +48,8 @@ SeriesMean series_mean(std::span<const double> series) {
   constexpr double short_series = 150.0;
   constexpr double lengths_of_a_degree = 5.0;
   const double degrees =
-      std::floor(std::min(n < short_series ? kFewestDegrees : kMostDegrees, n / (lengths_of_a_degree * longest)));
-  if (degrees < kFewestDegrees) return out;
+      std::floor(std::min(n < short_series ? fewest_degrees : most_degrees, n / (lengths_of_a_degree * longest)));
+  if (degrees < fewest_degrees) return out;
   out.degrees = degrees;
   double long_run = 0.0;
   for (int j = 1; j <= static_cast<int>(degrees); ++j) {

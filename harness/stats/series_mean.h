@@ -25,8 +25,8 @@ struct SeriesMean {
   double p = 1.0;               // two-sided, of mean = 0
 };
 
-inline constexpr double kFewestDegrees = 4.0;
-inline constexpr double kMostDegrees = 5.0;
+inline constexpr double fewest_degrees = 4.0;
+inline constexpr double most_degrees = 5.0;
 
 SeriesMean series_mean(std::span<const double> series);
 

@@ -100,7 +100,7 @@ TEST(SeriesMean, HoldsItsLevelForCorrelatedSeries) {
 
 TEST(SeriesMean, OfAConstantIsCertainAndOfAFewValuesUnknown) {
   EXPECT_EQ(series_mean(std::vector<double>(100, 0.1)).p, 0.0);
-  EXPECT_GE(series_mean(std::vector<double>(100, 0.1)).degrees, kFewestDegrees);
+  EXPECT_GE(series_mean(std::vector<double>(100, 0.1)).degrees, fewest_degrees);
   EXPECT_EQ(series_mean(std::vector<double>(100, 0.0)).p, 1.0);
   EXPECT_EQ(series_mean(std::vector<double>(19, 0.1)).degrees, 0.0);
   std::vector<double> holed(100, 0.1);

@@ -6,7 +6,7 @@
 namespace touchstone::surface {
 namespace {
 
-constexpr std::size_t kLeaf = 4;
+constexpr std::size_t leaf = 4;
 
 }  // namespace
 
@@ -39,7 +39,7 @@ void BoxTree::split(const std::vector<Box3>& boxes, std::size_t node, std::size_
   nodes_[node].high = all.max() + Vec3::Constant(padding);
   nodes_[node].first = static_cast<std::int32_t>(begin);
   nodes_[node].count = static_cast<std::int32_t>(end - begin);
-  if (end - begin <= kLeaf) return;
+  if (end - begin <= leaf) return;
   Eigen::Index axis = 0;
   centers.sizes().maxCoeff(&axis);
   const std::size_t middle = begin + (end - begin) / 2;

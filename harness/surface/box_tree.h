@@ -30,7 +30,7 @@ class BoxTree {
       S square;
     };
     // Each is written before it is read; zeros would cost every query.
-    std::array<Open, kDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::array<Open, stack_depth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::size_t size = 0;
     stack[size++] = {0, squared_distance(nodes_[0], q)};
     S beyond(0.0);
@@ -58,7 +58,7 @@ class BoxTree {
   template <class S, class Visit>
   void along_segment(const Vec3Of<S>& a, const Vec3Of<S>& b, Visit&& visit) const {
     // As in nearest().
-    std::array<std::int32_t, kDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::array<std::int32_t, stack_depth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::size_t size = 0;
     stack[size++] = 0;
     S until(1.0);
@@ -80,7 +80,7 @@ class BoxTree {
   template <class S, class Visit>
   void within(const Vec3Of<S>& q, const S& radius, Visit&& visit) const {
     // As in nearest().
-    std::array<std::int32_t, kDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::array<std::int32_t, stack_depth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::size_t size = 0;
     stack[size++] = 0;
     S square = radius * radius;
@@ -104,7 +104,7 @@ class BoxTree {
   }
 
  private:
-  static constexpr std::size_t kDepth = 128;  // medians: twice the logarithm of 2^63 triangles
+  static constexpr std::size_t stack_depth = 128;  // medians: twice the logarithm of 2^63 triangles
 
   struct Node {
     Vec3 low;
@@ -125,7 +125,7 @@ class BoxTree {
   template <class S>
   bool meets(const Node& node, const Vec3Of<S>& a, const Vec3Of<S>& b, const Vec3Of<S>& way, const S& until) const {
     S from(0.0);
-    S to = until + S(kSlack);
+    S to = until + S(slack);
     for (Eigen::Index i = 0; i < 3; ++i) {
       const S low(node.low[i]);
       const S high(node.high[i]);
@@ -136,10 +136,10 @@ class BoxTree {
       from = std::max(from, std::min(first, second));
       to = std::min(to, std::max(first, second));
     }
-    return from <= to + S(kSlack);
+    return from <= to + S(slack);
   }
   // Of fractions of a segment: many times the rounding of the divisions above.
-  static constexpr double kSlack = 1e-12;
+  static constexpr double slack = 1e-12;
 
   void split(const std::vector<Box3>& boxes, std::size_t node, std::size_t begin, std::size_t end, double padding);
 

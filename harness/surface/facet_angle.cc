@@ -29,7 +29,7 @@ double median_facet_angle_rad(const TriangleMesh& mesh, std::span<const std::int
 }
 
 SmoothNormals::SmoothNormals(const TriangleMesh& mesh) : mesh_(mesh), corners_(mesh.triangle_count()) {
-  const double least_cosine = std::cos(kSharp_rad);
+  const double least_cosine = std::cos(sharp_rad);
   std::vector<std::vector<std::size_t>> about(mesh.vertices_W_m.size());
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     for (const std::int32_t v : mesh.triangles[t]) about[static_cast<std::size_t>(v)].push_back(t);

@@ -21,7 +21,7 @@ double median_facet_angle_rad(const TriangleMesh& mesh, std::span<const std::int
 // between (Phong, Illumination for computer generated pictures, CACM 18, 1975).
 class SmoothNormals {
  public:
-  static constexpr double kSharp_rad = 0.2617993877991494;  // 15 degrees: from here on an edge is one of the body
+  static constexpr double sharp_rad = 0.2617993877991494;  // 15 degrees: from here on an edge is one of the body
   // The mesh must outlive it.
   explicit SmoothNormals(const TriangleMesh& mesh);
 

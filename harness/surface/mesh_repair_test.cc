@@ -190,8 +190,8 @@ TriangleMesh bricks(int rows, double length, double off) {
 TEST(MeshRepair, WeldingClosesSeamsWithSteps) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     const double length = 0.013 * scale;
-    constexpr int kRows = 7;
-    const TriangleMesh open = bricks(kRows, length, 1e-5 * length);
+    constexpr int row_count = 7;
+    const TriangleMesh open = bricks(row_count, length, 1e-5 * length);
     const OrientedMesh welded = weld_seams(open, 4e-5 * length);
     EXPECT_GT(welded.joined, 30U);
     EXPECT_GT(welded.split, 30U);
@@ -207,7 +207,7 @@ TEST(MeshRepair, WeldingClosesSeamsWithSteps) {
       EXPECT_GT(n.z(), 0.0);
       area += 0.5 * n.norm();
     }
-    EXPECT_NEAR(area, 0.5 * kRows * kRows * length * length, 1e-3 * length * length);
+    EXPECT_NEAR(area, 0.5 * row_count * row_count * length * length, 1e-3 * length * length);
     for (std::size_t t = 0; t < welded.mesh.triangle_count(); ++t) {
       for (std::size_t e = 0; e < 3; ++e) {
         if (topology.neighbours[t][e] >= 0) continue;
@@ -215,8 +215,8 @@ TEST(MeshRepair, WeldingClosesSeamsWithSteps) {
             0.5 * (welded.mesh.vertices_W_m[static_cast<std::size_t>(welded.mesh.triangles[t][e])] +
                    welded.mesh.vertices_W_m[static_cast<std::size_t>(welded.mesh.triangles[t][(e + 1) % 3])]);
         const double row = middle.y() / (0.5 * length);
-        const double inside = std::min({row, kRows - row});
-        const bool at_an_end = middle.x() < 1.3 * length || middle.x() > (kRows - 0.3) * length;
+        const double inside = std::min({row, row_count - row});
+        const bool at_an_end = middle.x() < 1.3 * length || middle.x() > (row_count - 0.3) * length;
         EXPECT_TRUE(inside < 1e-3 || at_an_end) << middle.transpose();
       }
     }

@@ -22,13 +22,13 @@ namespace {
 
 // In units of half the mesh's size. Rounding a coordinate of magnitude 1 to float costs 2^-25 = 3e-8, a ray's course
 // half a dozen such roundings; this is eight times that.
-constexpr double kPadding = 2e-6;
+constexpr double padding = 2e-6;
 // From here on the hierarchy is built along a space-filling curve (C. Lauterbach and others, Eurographics 2009) in
 // place of by the surface area heuristic: a third of the time, which of a million triangles is most of what a user
 // waits for, and queries of no other answers and of the same cost within what can be measured.
-constexpr std::size_t kManyTriangles = 250'000;
+constexpr std::size_t many_triangles = 250'000;
 // Beyond this distance (in the same units) float cannot tell the triangles apart at all.
-constexpr double kFarAway = 1e6;
+constexpr double far_away = 1e6;
 
 // What differs between Embree 3 and 4: how a ray's context is named and handed over.
 #if RTC_VERSION_MAJOR >= 4
@@ -111,7 +111,7 @@ struct TriangleTree::Embree {
     for (const std::int32_t corner : mesh->triangles[triangle])
       radius2 = std::max(radius2, (scaled(corner) - middle).squaredNorm());
     return {static_cast<float>(middle.x()), static_cast<float>(middle.y()), static_cast<float>(middle.z()),
-            static_cast<float>(std::sqrt(radius2) + kPadding)};
+            static_cast<float>(std::sqrt(radius2) + padding)};
   }
 
   // Embree hands its context to the callback: it must come first.
@@ -134,12 +134,12 @@ struct TriangleTree::Embree {
     Box3 box;
     for (const std::int32_t corner : self.mesh->triangles[arguments->primID]) box.extend(self.scaled(corner));
     RTCBounds& out = *arguments->bounds_o;
-    out.lower_x = static_cast<float>(box.min().x() - kPadding);
-    out.lower_y = static_cast<float>(box.min().y() - kPadding);
-    out.lower_z = static_cast<float>(box.min().z() - kPadding);
-    out.upper_x = static_cast<float>(box.max().x() + kPadding);
-    out.upper_y = static_cast<float>(box.max().y() + kPadding);
-    out.upper_z = static_cast<float>(box.max().z() + kPadding);
+    out.lower_x = static_cast<float>(box.min().x() - padding);
+    out.lower_y = static_cast<float>(box.min().y() - padding);
+    out.lower_z = static_cast<float>(box.min().z() - padding);
+    out.upper_x = static_cast<float>(box.max().x() + padding);
+    out.upper_y = static_cast<float>(box.max().y() + padding);
+    out.upper_z = static_cast<float>(box.max().z() + padding);
   }
 
   static void on_segment(const RTCIntersectFunctionNArguments* arguments) {
@@ -148,7 +148,7 @@ struct TriangleTree::Embree {
     const double beyond = visit.visitor.call(visit.visitor.self, static_cast<std::int32_t>(arguments->primID));
     if (!(beyond < 1.0)) return;
     auto& hit = *reinterpret_cast<RTCRayHit*>(arguments->rayhit);
-    const auto reach = static_cast<float>(std::max(0.0, beyond * visit.length - visit.begin) + 2.0 * kPadding);
+    const auto reach = static_cast<float>(std::max(0.0, beyond * visit.length - visit.begin) + 2.0 * padding);
     if (reach < hit.ray.tfar) {
       hit.ray.tfar = reach;
       hit.hit.geomID = arguments->geomID;
@@ -160,7 +160,7 @@ struct TriangleTree::Embree {
     auto& visit = *static_cast<BallVisit*>(arguments->userPtr);
     if (visit.tree->balls[arguments->primID].beyond(*arguments->query)) return false;
     const double beyond = visit.visitor.call(visit.visitor.self, static_cast<std::int32_t>(arguments->primID));
-    const auto radius = static_cast<float>(visit.scale * beyond * (1.0 + kPadding) + visit.slack);
+    const auto radius = static_cast<float>(visit.scale * beyond * (1.0 + padding) + visit.slack);
     if (!(radius < arguments->query->radius)) return false;
     arguments->query->radius = radius;
     return true;
@@ -192,7 +192,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : embree_(std::make_unique<
   rtcSetGeometryUserData(geometry, &self);
   rtcSetGeometryBoundsFunction(geometry, Embree::bounds, nullptr);
   rtcSetGeometryIntersectFunction(geometry, Embree::on_segment);
-  if (mesh.triangles.size() >= kManyTriangles) {
+  if (mesh.triangles.size() >= many_triangles) {
     rtcSetSceneBuildQuality(self.scene.get(), RTC_BUILD_QUALITY_LOW);
     rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
   }
@@ -217,7 +217,7 @@ void TriangleTree::segment(const Vec3& a_W_m, const Vec3& b_W_m, Visitor visitor
   double from = 0.0;
   double to = 1.0;
   for (Eigen::Index i = 0; i < 3; ++i) {
-    const double wall = self.half[i] + 8.0 * kPadding;
+    const double wall = self.half[i] + 8.0 * padding;
     const double step = b[i] - a[i];
     if (step == 0.0) {
       if (std::abs(a[i]) > wall) return;
@@ -233,7 +233,7 @@ void TriangleTree::segment(const Vec3& a_W_m, const Vec3& b_W_m, Visitor visitor
   Embree::SegmentVisit visit{};
   visit.visitor = visitor;
   visit.length = length;
-  visit.begin = from * length - kPadding;
+  visit.begin = from * length - padding;
   const Vec3 direction = (b - a) / length;
   const Vec3 origin = a + visit.begin * direction;
   RTCRayHit hit{};
@@ -244,7 +244,7 @@ void TriangleTree::segment(const Vec3& a_W_m, const Vec3& b_W_m, Visitor visitor
   hit.ray.dir_y = static_cast<float>(direction.y());
   hit.ray.dir_z = static_cast<float>(direction.z());
   hit.ray.tnear = 0.0F;
-  hit.ray.tfar = static_cast<float>((to - from) * length + 3.0 * kPadding);
+  hit.ray.tfar = static_cast<float>((to - from) * length + 3.0 * padding);
   hit.ray.mask = ~0U;
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
@@ -255,12 +255,12 @@ void TriangleTree::ball(const Vec3& center_W_m, double radius_m, Visitor visitor
   const Embree& self = *embree_;
   const Vec3 q = self.scale * (center_W_m - self.center);
   const double magnitude = q.cwiseAbs().maxCoeff();
-  if (!(magnitude <= kFarAway)) {
+  if (!(magnitude <= far_away)) {
     for (std::size_t t = 0; t < self.mesh->triangles.size(); ++t)
       visitor.call(visitor.self, static_cast<std::int32_t>(t));
     return;
   }
-  Embree::BallVisit visit{&self, visitor, self.scale, kPadding * (1.0 + magnitude)};
+  Embree::BallVisit visit{&self, visitor, self.scale, padding * (1.0 + magnitude)};
   RTCPointQueryContext context{};
   rtcInitPointQueryContext(&context);
   RTCPointQuery query{};
@@ -268,7 +268,7 @@ void TriangleTree::ball(const Vec3& center_W_m, double radius_m, Visitor visitor
   query.y = static_cast<float>(q.y());
   query.z = static_cast<float>(q.z());
   query.time = 0.0F;
-  query.radius = static_cast<float>(self.scale * radius_m * (1.0 + kPadding) + visit.slack);
+  query.radius = static_cast<float>(self.scale * radius_m * (1.0 + padding) + visit.slack);
   rtcPointQuery(self.scene.get(), &query, &context, Embree::in_ball, &visit);
 }
 

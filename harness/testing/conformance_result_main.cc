@@ -13,7 +13,7 @@
 
 namespace {
 
-constexpr const char* kUsage =
+constexpr const char* usage =
     "usage: touchstone-conformance-result RESULTS TEST PROGRAM [ARGUMENT]...\n"
     "  RESULTS  the folder of touchstone-conformance --results\n"
     "  TEST     as GoogleTest names it; the program is given --gtest_filter=TEST\n"
@@ -30,7 +30,7 @@ int tell(const std::string& test, const touchstone::testing::RecordedResult& res
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    std::fputs(kUsage, stderr);
+    std::fputs(usage, stderr);
     return 2;
   }
   const std::string test = argv[2];

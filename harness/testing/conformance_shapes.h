@@ -28,7 +28,7 @@ struct ConformanceShape {
 inline void PrintTo(const ConformanceShape& shape, std::ostream* out) { *out << shape.name; }
 
 inline std::vector<ConformanceShape> conformance_shapes() {
-  constexpr double kAnyThickness = std::numeric_limits<double>::infinity();
+  constexpr double any_thickness = std::numeric_limits<double>::infinity();
   const auto plate = [] {
     surface::TriangleMesh mesh = cube(0.02);
     for (Vec3& v : mesh.vertices_W_m) v.z() *= 0.005;  // 0.2 mm thick
@@ -36,7 +36,7 @@ inline std::vector<ConformanceShape> conformance_shapes() {
   };
   return {{"cube",
            [] {
-             return ConformanceBody{cube(0.02), true, false, kAnyThickness, true};
+             return ConformanceBody{cube(0.02), true, false, any_thickness, true};
            }},
           {"ball",
            [] {
@@ -48,7 +48,7 @@ inline std::vector<ConformanceShape> conformance_shapes() {
            }},
           {"plate", plate},
           {"sheet", [] {
-             return ConformanceBody{grid(0.02, 12), false, true, kAnyThickness, true};
+             return ConformanceBody{grid(0.02, 12), false, true, any_thickness, true};
            }}};
 }
 

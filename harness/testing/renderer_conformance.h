@@ -148,7 +148,7 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<SharedSub
   }
 
   void expect_same_forces(const Pose& pose) const {
-    constexpr double kEps = std::numeric_limits<double>::epsilon();
+    constexpr double eps = std::numeric_limits<double>::epsilon();
     const auto tips = strokes(101, 8);
     const auto here = make();
     const auto there = make(pose);
@@ -157,7 +157,7 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<SharedSub
     // Moving the mesh rounds its vertices: a tilt of eps |x| / (height of a triangle), for at most 1 mm of depth.
     const double lengths = 0.1 + pose.shift.norm() / pose.unit;
     const double tilt = std::max(1e3, 1e-3 / least_height_m());
-    const double tolerance_N = subject().stiffness_N_per_m * lengths * tilt * kEps;
+    const double tolerance_N = subject().stiffness_N_per_m * lengths * tilt * eps;
     std::size_t touching = 0;
     for (std::size_t i = 0; i < tips.size(); ++i) {
       const Vec3 turned_back_N = pose.turn.conjugate() * obtained[i].f_W_N;
@@ -171,13 +171,13 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<SharedSub
       touching += expected[i].contact ? 1U : 0U;
     }
     if (touching == 0U && !feels_exactly())
-      GTEST_SKIP() << kNotReached << lacks(rendering::Ability::surface_contact)->reason;
+      GTEST_SKIP() << not_reached << lacks(rendering::Ability::surface_contact)->reason;
     EXPECT_GT(touching, 100U) << "the strokes must touch";
   }
 
   // Else it may round an edge off by more than the strokes are deep.
   [[nodiscard]] bool feels_exactly() const { return lacks(rendering::Ability::surface_contact) == nullptr; }
-  static constexpr const char* kNotReached = "the strokes do not reach what it feels: ";
+  static constexpr const char* not_reached = "the strokes do not reach what it feels: ";
 
  private:
   // Of all triangles with an area.
@@ -342,7 +342,7 @@ TEST_P(RendererConformance, ContactBeginsAndEndsWithoutAJump) {
     contacts += results[i].contact ? 1 : 0;
   }
   if (contacts == 0 && !feels_exactly())
-    GTEST_SKIP() << kNotReached << lacks(rendering::Ability::surface_contact)->reason;
+    GTEST_SKIP() << not_reached << lacks(rendering::Ability::surface_contact)->reason;
   // Samples further apart than the strokes are deep may round off what a stroke should meet.
   const bool may_miss = subject().thinnest_m > 0.0;
   if (!may_miss && contacts < 12)
@@ -364,8 +364,8 @@ TEST_P(RendererConformance, StepAllocatesNothing) {
 }
 
 TEST_P(RendererConformance, RefusesBadInputAndStaysAsItWas) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInf = std::numeric_limits<double>::infinity();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double inf = std::numeric_limits<double>::infinity();
   const auto tips = strokes(107, 3);
   const auto renderer = make();
   const auto expected = run(*renderer, tips);
@@ -373,11 +373,10 @@ TEST_P(RendererConformance, RefusesBadInputAndStaysAsItWas) {
   for (std::size_t i = 0; i < tips.size(); ++i) {
     const double t_s = static_cast<double>(i + 1) * 1e-3;
     for (const rendering::TipState& bad :
-         {rendering::TipState{t_s, {kNan, 0, 0}, Quat::Identity()},
-          rendering::TipState{t_s, {0, 0, kInf}, Quat::Identity()},
-          rendering::TipState{kNan, tips[i], Quat::Identity()}, rendering::TipState{kInf, tips[i], Quat::Identity()},
-          rendering::TipState{t_s, tips[i], Quat(kNan, 0, 0, 0)},
-          rendering::TipState{i > 0 ? t_s - 1e-3 : kNan, tips[i], Quat::Identity()}}) {
+         {rendering::TipState{t_s, {nan, 0, 0}, Quat::Identity()},
+          rendering::TipState{t_s, {0, 0, inf}, Quat::Identity()}, rendering::TipState{nan, tips[i], Quat::Identity()},
+          rendering::TipState{inf, tips[i], Quat::Identity()}, rendering::TipState{t_s, tips[i], Quat(nan, 0, 0, 0)},
+          rendering::TipState{i > 0 ? t_s - 1e-3 : nan, tips[i], Quat::Identity()}}) {
       if (i % 7 != 0) break;
       const rendering::StepResult refused = renderer->step(bad);
       if (refused.status != rendering::StepStatus::refused || refused.f_W_N != Vec3::Zero() || refused.contact)

@@ -26,16 +26,16 @@ enum class ToolFault : std::uint8_t {
   friction_lost,  // of renderers that have it, as the next
   friction_doubled,
 };
-inline constexpr std::array<std::string_view, 7> kToolFaultNames{"wrong-lever-arm", "torque-sign",   "torque-frame",
-                                                                 "rotation-order",  "stale-contact", "friction-lost",
-                                                                 "friction-doubled"};
+inline constexpr std::array<std::string_view, 7> tool_fault_names{"wrong-lever-arm", "torque-sign",   "torque-frame",
+                                                                  "rotation-order",  "stale-contact", "friction-lost",
+                                                                  "friction-doubled"};
 
 class FaultyTool : public ToolRenderer {
  public:
   // `center_T_m`: of mass, which the wrong lever arm takes for the origin.
   FaultyTool(std::unique_ptr<ToolRenderer> right, ToolFault fault, const Vec3& center_T_m)
       : right_(std::move(right)), fault_(fault), center_T_m_(center_T_m) {
-    kept_.reserve(kMostKept);
+    kept_.reserve(most_kept);
   }
 
  protected:
@@ -55,7 +55,7 @@ class FaultyTool : public ToolRenderer {
     if (fault_ == ToolFault::stale_contact) {
       if (kept_.empty())
         kept_.assign(result.contacts.begin(), result.contacts.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                                                            kMostKept, result.contacts.size())));
+                                                                            most_kept, result.contacts.size())));
       result.contacts = kept_;
     }
     if (fault_ == ToolFault::friction_lost) add_friction(result, -1.0);
@@ -64,12 +64,12 @@ class FaultyTool : public ToolRenderer {
   }
 
  private:
-  static constexpr std::size_t kMostKept = 512;
+  static constexpr std::size_t most_kept = 512;
 
   // A multiple of the friction of the contacts that are listed.
   void add_friction(ToolResult& result, double times) noexcept {
     kept_.clear();
-    for (ToolContact contact : result.contacts.first(std::min(kMostKept, result.contacts.size()))) {
+    for (ToolContact contact : result.contacts.first(std::min(most_kept, result.contacts.size()))) {
       const Vec3 more = times * (contact.f_W_N - contact.f_W_N.dot(contact.n_W) * contact.n_W);
       contact.f_W_N += more;
       result.f_W_N += more;
@@ -95,10 +95,10 @@ class FaultyTool : public ToolRenderer {
 // The subject with the fault of this name planted in each renderer that it makes. Throws UsageError for a name that is
 // not known, and for a fault of friction where there is none.
 inline ToolSubject with_fault(ToolSubject subject, std::string_view name) {
-  const auto* const found = std::ranges::find(kToolFaultNames, name);
-  if (found == kToolFaultNames.end())
+  const auto* const found = std::ranges::find(tool_fault_names, name);
+  if (found == tool_fault_names.end())
     throw UsageError(fmt::format("--fault {}: not known; `touchstone tool list` shows what is", name));
-  const auto fault = static_cast<ToolFault>(found - kToolFaultNames.begin());
+  const auto fault = static_cast<ToolFault>(found - tool_fault_names.begin());
   if ((fault == ToolFault::friction_lost || fault == ToolFault::friction_doubled) && !(subject.mu > 0.0)) {
     throw UsageError(fmt::format("--fault {}: {} has no friction; give --parameter mu=0.3 of a renderer that has mu",
                                  name, subject.name));

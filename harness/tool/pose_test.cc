@@ -33,9 +33,9 @@ TEST(Pose, ComposesAndInvertsLikeMatrices) {
 
 TEST(Pose, RotationOrderMatters) {
   // First a quarter turn about the tool's x, then one about the world's z: x stays on y, y goes to z.
-  constexpr double kQuarter = 0.5 * std::numbers::pi;
-  const Pose x{Vec3::Zero(), rotation_by(Vec3(kQuarter, 0, 0))};
-  const Pose z{Vec3::Zero(), rotation_by(Vec3(0, 0, kQuarter))};
+  constexpr double quarter = 0.5 * std::numbers::pi;
+  const Pose x{Vec3::Zero(), rotation_by(Vec3(quarter, 0, 0))};
+  const Pose z{Vec3::Zero(), rotation_by(Vec3(0, 0, quarter))};
   EXPECT_LE(((z * x).to_W(Vec3::UnitX()) - Vec3::UnitY()).norm(), 1e-15);
   EXPECT_LE(((z * x).to_W(Vec3::UnitY()) - Vec3::UnitZ()).norm(), 1e-15);
   EXPECT_LE(((x * z).to_W(Vec3::UnitX()) - Vec3::UnitZ()).norm(), 1e-15);
@@ -129,17 +129,17 @@ TEST(Wrench6, OfTheObjectIsTheOpposite) {
 TEST(Coupling, WrenchIsTheGradientOfTheEnergy) {
   Random random(18);
   const Coupling coupling{800.0, 1.5};
-  constexpr double kStep = 1e-5;
+  constexpr double step = 1e-5;
   for (int i = 0; i < 50; ++i) {
     const Pose handle = random_pose(random);
     const Pose proxy = moved(handle, {2e-3 * random.direction(), 0.8 * random.direction()});
     const Wrench w = coupling_wrench(coupling, handle, proxy);
     for (int k = 0; k < 3; ++k) {
-      const Vec3 e = kStep * Vec3::Unit(k);
+      const Vec3 e = step * Vec3::Unit(k);
       const auto slope = [&](const Displacement& d, const Displacement& minus) {
         return (coupling_energy_J(coupling, handle, moved(proxy, d)) -
                 coupling_energy_J(coupling, handle, moved(proxy, minus))) /
-               (2 * kStep);
+               (2 * step);
       };
       EXPECT_NEAR(slope({e, Vec3::Zero()}, {-e, Vec3::Zero()}), w.f_N[k], 1e-9);
       EXPECT_NEAR(slope({Vec3::Zero(), e}, {Vec3::Zero(), -e}), w.torque_Nm[k], 1e-8);

@@ -69,8 +69,8 @@ Tool point_tool(PointShell shell, double mass_kg) {
   }
   tool.mass.inertia_T_kg_m2 = second.trace() * Mat3::Identity() - second;
   const Vec3 principal = Eigen::SelfAdjointEigenSolver<Mat3>(tool.mass.inertia_T_kg_m2).eigenvalues();
-  constexpr double kSmall = 1e-9;
-  if (shell.size() < 3 || !(principal[0] > kSmall * principal[2])) {
+  constexpr double small = 1e-9;
+  if (shell.size() < 3 || !(principal[0] > small * principal[2])) {
     throw BadData(
         fmt::format("a tool of {} points: at least three that do not lie on a line were expected", shell.size()));
   }
@@ -83,13 +83,13 @@ PointShell shell_of(const Tool& tool, double spacing_m) {
 }
 
 PointShell make_point_shell(const TriangleMesh& mesh_T, double spacing_m) {
-  constexpr double kMostPoints = 1e7;
+  constexpr double most_points = 1e7;
   if (!(spacing_m > 0.0))
     throw UsageError(fmt::format("spacing of the point shell: {} m; more than 0 was expected", spacing_m));
   // A shell has about a point for each spacing squared.
   double area = 0.0;
   for (std::size_t t = 0; t < mesh_T.triangle_count(); ++t) area += 0.5 * mesh_T.scaled_normal(t).norm();
-  if (area / (spacing_m * spacing_m) > kMostPoints) {
+  if (area / (spacing_m * spacing_m) > most_points) {
     throw UsageError(
         fmt::format("spacing of the point shell: {} m makes more than ten million points on {}; give a "
                     "larger one",

@@ -34,9 +34,9 @@ struct Tool {
 MassFrame solid_mass_frame(const surface::TriangleMesh& mesh_T, double density_kg_per_m3);
 
 // Of water: between wood and plastic. For tools of which nothing is known but the shape.
-inline constexpr double kUsualToolDensity_kg_per_m3 = 1000.0;
+inline constexpr double usual_tool_density_kg_per_m3 = 1000.0;
 // The tool that fills the mesh. Throws as solid_mass_frame() does.
-Tool solid_tool(const surface::TriangleMesh& mesh_T, double density_kg_per_m3 = kUsualToolDensity_kg_per_m3);
+Tool solid_tool(const surface::TriangleMesh& mesh_T, double density_kg_per_m3 = usual_tool_density_kg_per_m3);
 
 // A tool of points alone, of equal mass each. Throws BadData for fewer than three, or all on a line: their inertia
 // would be none about it.

@@ -17,18 +17,18 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double kDensity_kg_per_m3 = 1000.0;
-constexpr double kHalf_m = 0.01;                // of the cube
-const Vec3 kCenter_T_m(0.005, -0.002, -0.015);  // of the cube in the tool's frame: every contact has a lever
-constexpr double kReach_m = 0.04;               // no point of the tool is farther from its origin
+constexpr double material_density_kg_per_m3 = 1000.0;
+constexpr double half_m = 0.01;                     // of the cube
+const Vec3 cube_center_T_m(0.005, -0.002, -0.015);  // of the cube in the tool's frame: every contact has a lever
+constexpr double reach_m = 0.04;                    // no point of the tool is farther from its origin
 // Rounding and what a settled run leaves, for methods that resolve the surface exactly.
-constexpr double kFloor_m = 1e-6;
+constexpr double floor_m = 1e-6;
 
 TriangleMesh cube(const Vec3& center) {
-  return surface::box_mesh(center - Vec3::Constant(kHalf_m), center + Vec3::Constant(kHalf_m));
+  return surface::box_mesh(center - Vec3::Constant(half_m), center + Vec3::Constant(half_m));
 }
 TriangleMesh slab() { return surface::box_mesh(Vec3(-0.05, -0.05, -0.02), Vec3(0.05, 0.05, 0.0)); }
-Tool tool_of(const TriangleMesh& mesh) { return solid_tool(mesh, kDensity_kg_per_m3); }
+Tool tool_of(const TriangleMesh& mesh) { return solid_tool(mesh, material_density_kg_per_m3); }
 
 TriangleMesh moved_mesh(TriangleMesh mesh, const Pose& by) {
   for (Vec3& v : mesh.vertices_W_m) v = by.to_W(v);
@@ -51,7 +51,7 @@ Pose lifted(const Pose& pose, double by_m) { return {pose.p_W_m + Vec3(0, 0, by_
 
 class Checks {
  public:
-  explicit Checks(const ToolSubject& subject) : subject_(subject), resolution_m_(subject.resolution_m + kFloor_m) {}
+  explicit Checks(const ToolSubject& subject) : subject_(subject), resolution_m_(subject.resolution_m + floor_m) {}
 
   std::vector<ToolFinding> run() {
     torque_about_handle();
@@ -74,7 +74,7 @@ class Checks {
   [[nodiscard]] double force_limit() const { return coupling_.stiffness_N_per_m * resolution_m_; }
   // Of a torque: the force's share at the farthest lever, and the turn that the resolution leaves over a face.
   [[nodiscard]] double torque_limit() const {
-    return force_limit() * kReach_m + coupling_.rotational_stiffness_Nm_per_rad * resolution_m_ / kHalf_m;
+    return force_limit() * reach_m + coupling_.rotational_stiffness_Nm_per_rad * resolution_m_ / half_m;
   }
   ToolFinding& add(const std::string& check, double measured, double limit, const std::string& unit) {
     findings_.push_back({check, measured <= limit, true, measured, limit, unit, "", ""});
@@ -84,11 +84,11 @@ class Checks {
     finding.applies = has;
     if (!has) finding.why_not = why_not;
   }
-  static constexpr const char* kOwnNormals = "its normals are the tool's own";
+  static constexpr const char* own_normals = "its normals are the tool's own";
 
   // A corner carries all of the force, so that the torque about the handle is r x f with r the way to that corner.
   void torque_about_handle() {
-    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Tool tool = tool_of(cube(cube_center_T_m));
     const auto renderer = subject_.make(tool, slab(), coupling_);
     const Pose handle = lowered(tool.mesh_T, oblique(), 0.003);
     const ToolResult result = settle(*renderer, lifted(handle, 0.006), handle);
@@ -99,14 +99,14 @@ class Checks {
     const Vec3 expected = (corner - result.proxy.p_W_m).cross(result.f_W_N);
     const auto error = [&](const Vec3& torque) { return (result.torque_W_Nm - torque).norm(); };
     // The contact may lie a little beside the corner.
-    const double limit = result.f_W_N.norm() * 2.0 * resolution_m_ + kFloor_m;
+    const double limit = result.f_W_N.norm() * 2.0 * resolution_m_ + floor_m;
     ToolFinding& finding = add("torque-about-handle",
                                result.contact ? error(expected) : std::numeric_limits<double>::infinity(), limit, "Nm");
     if (finding.passed || !result.contact) return;
     // The explanation that comes nearest, if it is near: a fifth of the torque is more than method and coupling blur,
     // and less than the explanations differ by.
-    constexpr double kNear = 0.2;
-    double nearest = std::max(limit, kNear * expected.norm());
+    constexpr double near = 0.2;
+    double nearest = std::max(limit, near * expected.norm());
     const auto explain = [&](const Vec3& torque, const char* fault) {
       if (error(torque) > nearest) return;
       nearest = error(torque);
@@ -119,20 +119,20 @@ class Checks {
 
   // The height at which a turned tool first touches tells which rotation the renderer used.
   void order_of_rotations() {
-    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Tool tool = tool_of(cube(cube_center_T_m));
     const auto renderer = subject_.make(tool, slab(), coupling_);
     const Quat q = oblique();
-    constexpr double kStep_m = 0.05e-3;
+    constexpr double step_m = 0.05e-3;
     const double start = -lowest_m(tool.mesh_T, q) + 0.015;
     double height = start;
     renderer->reset();
     for (int i = 0; i < 700; ++i) {
-      height = start - kStep_m * i;
+      height = start - step_m * i;
       if (step_or_throw(*renderer, {1e-3 * i, {Vec3(0, 0, height), q}}).contact) break;
     }
     const auto error = [&](const Quat& rotation) { return std::abs(height + lowest_m(tool.mesh_T, rotation)); };
     // A method with mass notices a few steps late.
-    const double limit = 2.0 * resolution_m_ + 8.0 * kStep_m;
+    const double limit = 2.0 * resolution_m_ + 8.0 * step_m;
     ToolFinding& finding = add("order-of-rotations", error(q), limit, "m");
     const Vec3 zyx = q.toRotationMatrix().eulerAngles(2, 1, 0);
     const Quat other =
@@ -142,7 +142,7 @@ class Checks {
 
   // While the tool slides, each contact that is reported lies on the tool where its proxy is now.
   void contacts_are_of_this_step() {
-    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Tool tool = tool_of(cube(cube_center_T_m));
     const auto renderer = subject_.make(tool, slab(), coupling_);
     const Pose first = lowered(tool.mesh_T, Quat::Identity(), 0.002);
     settle(*renderer, lifted(first, 0.006), first);
@@ -153,7 +153,7 @@ class Checks {
       const ToolResult result = step_or_throw(*renderer, {1.0 + 1e-3 * i, handle});
       for (const ToolContact& contact : result.contacts) {
         any = true;
-        const Vec3 inside = (result.proxy.to_T(contact.p_W_m) - kCenter_T_m).cwiseAbs() - Vec3::Constant(kHalf_m);
+        const Vec3 inside = (result.proxy.to_T(contact.p_W_m) - cube_center_T_m).cwiseAbs() - Vec3::Constant(half_m);
         for (int k = 0; k < 3; ++k) farthest = worse(farthest, inside[k]);
         farthest = worse(farthest, -inside.maxCoeff());
       }
@@ -175,7 +175,7 @@ class Checks {
 
   // Into the slab: a force that pulls.
   void never_pulls() {
-    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Tool tool = tool_of(cube(cube_center_T_m));
     const auto renderer = subject_.make(tool, slab(), coupling_);
     Random random(61);
     double pull = 0.0;
@@ -187,7 +187,7 @@ class Checks {
   }
 
   void free_when_away() {
-    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Tool tool = tool_of(cube(cube_center_T_m));
     const auto renderer = subject_.make(tool, slab(), coupling_);
     const Pose handle = lowered(tool.mesh_T, oblique(), 0.002);
     settle(*renderer, lifted(handle, 0.006), handle);
@@ -200,7 +200,7 @@ class Checks {
 
   // The whole scene in another frame: the same wrench in that frame.
   void moved_scene() {
-    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Tool tool = tool_of(cube(cube_center_T_m));
     Random random(62);
     const Pose handle = lowered(tool.mesh_T, rotation_by(Vec3(0.02, -0.03, 0.4)), 0.002);
     const ToolResult here = settle(*subject_.make(tool, slab(), coupling_), lifted(handle, 0.006), handle);
@@ -212,7 +212,7 @@ class Checks {
       worst = worse(worst, (there.f_W_N - by.q_WT * here.f_W_N).norm() / force_limit());
       worst = worse(worst, (there.torque_W_Nm - by.q_WT * here.torque_W_Nm).norm() / torque_limit());
     }
-    needs(add("moved-scene", worst, 2.0, "limits of force and torque"), subject_.exact_normals, kOwnNormals);
+    needs(add("moved-scene", worst, 2.0, "limits of force and torque"), subject_.exact_normals, own_normals);
   }
 
   // Lengths counted in millimetres, or in units of ten metres: the same force, and the same torque in that unit.
@@ -222,11 +222,11 @@ class Checks {
       needs(add("other-unit", 0.0, 1.0, "limits of force and torque"), false, subject_.only_in_metres);
       return;
     }
-    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Tool tool = tool_of(cube(cube_center_T_m));
     const Pose handle = lowered(tool.mesh_T, oblique(), 0.002);
     const ToolResult here = settle(*subject_.make(tool, slab(), coupling_), lifted(handle, 0.006), handle);
     double worst = here.contact ? 0.0 : std::numeric_limits<double>::infinity();
-    for (const double unit_m : kOtherUnits_m) {
+    for (const double unit_m : other_units_m) {
       const auto in_unit = [&](const Pose& pose) { return Pose{pose.p_W_m / unit_m, pose.q_WT}; };
       const auto mesh_in_unit = [&](TriangleMesh mesh) {
         for (Vec3& v : mesh.vertices_W_m) v /= unit_m;
@@ -248,7 +248,7 @@ class Checks {
   // both: a pure translation along the normal.
   void swapped_bodies() {
     const Coupling stiff{coupling_.stiffness_N_per_m, 2000.0};
-    const TriangleMesh body = cube(kCenter_T_m);
+    const TriangleMesh body = cube(cube_center_T_m);
     const Pose handle = lowered(body, rotation_by(Vec3(0, 0, 0.3)), 0.002);
     const Pose away = lifted(handle, 0.006);
     const ToolResult tool = settle(*subject_.make(tool_of(body), slab(), stiff), away, handle);
@@ -257,18 +257,18 @@ class Checks {
     // axes of the cube, which is the world there.
     const Wrench expected =
         rotated(handle.q_WT.conjugate(), wrench_about({-tool.f_W_N, -tool.torque_W_Nm}, -handle.p_W_m));
-    const double turn = stiff.rotational_stiffness_Nm_per_rad * resolution_m_ / kHalf_m;
+    const double turn = stiff.rotational_stiffness_Nm_per_rad * resolution_m_ / half_m;
     const double worst = worse((object.f_W_N - expected.f_N).norm() / force_limit(),
-                               (object.torque_W_Nm - expected.torque_Nm).norm() / (force_limit() * kReach_m + turn));
+                               (object.torque_W_Nm - expected.torque_Nm).norm() / (force_limit() * reach_m + turn));
     needs(add("swapped-bodies", tool.contact && object.contact ? worst : std::numeric_limits<double>::infinity(), 2.0,
               "limits of force and torque"),
-          subject_.exact_normals, kOwnNormals);
+          subject_.exact_normals, own_normals);
   }
 
   // Around a loop of positions and orientations in contact, ten times: a renderer without a motor gives back no more
   // than it took. What sampling at 1 kHz leaves is the difference between the sum from the left and the right ends.
   void closed_path_gives_no_energy() {
-    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Tool tool = tool_of(cube(cube_center_T_m));
     const auto renderer = subject_.make(tool, slab(), coupling_);
     const Pose center = lowered(tool.mesh_T, rotation_by(Vec3(0.3, 0.2, 0.0)), 0.002);
     const auto at_phase = [&](double phase) {
@@ -277,18 +277,18 @@ class Checks {
                    {aside, Vec3(0.05 * std::sin(phase), 0.05 * std::cos(phase) - 0.05, 0.03 * std::sin(2.0 * phase))});
     };
     settle(*renderer, lifted(center, 0.006), at_phase(0.0));
-    constexpr int kLoop = 1000;
+    constexpr int loop = 1000;
     double given = 0.0;
     double turned_over = 0.0;
     Pose before = at_phase(0.0);
     ToolResult last;
-    for (int i = 1; i <= 11 * kLoop; ++i) {
-      const Pose handle = at_phase(2.0 * std::numbers::pi * i / kLoop);
+    for (int i = 1; i <= 11 * loop; ++i) {
+      const Pose handle = at_phase(2.0 * std::numbers::pi * i / loop);
       const ToolResult now = step_or_throw(*renderer, {1.0 + 1e-3 * i, handle});
       const Displacement way = displacement(before, handle);
       const double work = 0.5 * (dot(now.f_W_N + last.f_W_N, way.translation_m) +
                                  dot(now.torque_W_Nm + last.torque_W_Nm, way.rotation_rad));
-      if (i > kLoop) {  // the first loop settles
+      if (i > loop) {  // the first loop settles
         given += work;
         turned_over += std::abs(work);
       }
@@ -301,7 +301,7 @@ class Checks {
   }
 
   void same_answer_again() {
-    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Tool tool = tool_of(cube(cube_center_T_m));
     const Pose handle = lowered(tool.mesh_T, oblique(), 0.002);
     const auto renderer = subject_.make(tool, slab(), coupling_);
     const ToolResult first = settle(*renderer, lifted(handle, 0.006), handle);
@@ -340,7 +340,7 @@ class Checks {
       if (error(0.0) <= force_limit()) finding.fault = "friction-lost";
       if (error(2.0 * subject_.mu) <= force_limit()) finding.fault = "friction-doubled";
     }
-    needs(finding, subject_.exact_normals, kOwnNormals);
+    needs(finding, subject_.exact_normals, own_normals);
     // Rounding of forces of some newtons.
     add("inside-friction-cones", outside, 1e-9, "N");
   }

@@ -16,7 +16,7 @@
 namespace touchstone::tool {
 
 // Units of length [m] in which a scene is tried beside metres.
-inline constexpr std::array kOtherUnits_m{1e-3, 10.0};
+inline constexpr std::array other_units_m{1e-3, 10.0};
 
 struct ToolSubject {
   std::string name;

@@ -23,12 +23,12 @@ inline ToolResult step_or_throw(ToolRenderer& renderer, const ToolState& state) 
 // the last step's answer; throws as step_or_throw() does. A proxy without mass rests long before; one with the mass of
 // a tool rests within its damping.
 inline ToolResult settle(ToolRenderer& renderer, const Pose& from, const Pose& to) {
-  constexpr int kMoving = 400;
-  constexpr int kHolding = 400;
+  constexpr int moving = 400;
+  constexpr int holding = 400;
   renderer.reset();
   ToolResult result;
-  for (int i = 0; i <= kMoving + kHolding; ++i) {
-    const double share = i < kMoving ? double(i) / kMoving : 1.0;
+  for (int i = 0; i <= moving + holding; ++i) {
+    const double share = i < moving ? double(i) / moving : 1.0;
     result = step_or_throw(renderer, {1e-3 * i, between(from, to, share)});
   }
   return result;
@@ -36,11 +36,11 @@ inline ToolResult settle(ToolRenderer& renderer, const Pose& from, const Pose& t
 
 // Settles at `pressed` and goes on to `to` in 0.8 s. Returns the answer to the last step, on the way still.
 inline ToolResult slide(ToolRenderer& renderer, const Pose& from, const Pose& pressed, const Pose& to) {
-  constexpr int kSliding = 800;
+  constexpr int sliding = 800;
   settle(renderer, from, pressed);
   ToolResult result;
-  for (int i = 1; i <= kSliding; ++i)
-    result = step_or_throw(renderer, {1.0 + 1e-3 * i, between(pressed, to, double(i) / kSliding)});
+  for (int i = 1; i <= sliding; ++i)
+    result = step_or_throw(renderer, {1.0 + 1e-3 * i, between(pressed, to, double(i) / sliding)});
   return result;
 }
 

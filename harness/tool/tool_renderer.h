@@ -44,7 +44,7 @@ class ToolRenderer {
  public:
   // Orientations whose length differs from 1 by no more than this are normalised; others are refused (as in
   // recordings).
-  static constexpr double kQuaternionTolerance = 1e-3;
+  static constexpr double quaternion_tolerance = 1e-3;
 
   virtual ~ToolRenderer() = default;
 
@@ -57,7 +57,7 @@ class ToolRenderer {
   // One servo tick. Allocates nothing, takes no lock, does no I/O, never throws.
   ToolResult step(const ToolState& state) noexcept {
     const double length = state.handle.q_WT.norm();
-    const bool valid = state.handle.finite() && std::abs(length - 1.0) <= kQuaternionTolerance &&
+    const bool valid = state.handle.finite() && std::abs(length - 1.0) <= quaternion_tolerance &&
                        std::isfinite(state.t_s) && (!have_last_ || state.t_s > last_t_s_);
     if (!valid) {
       ToolResult refused;

@@ -44,7 +44,7 @@ Parameters checked(const ToolRendererEntry& entry, const ToolSettings& settings)
 // What a parameter's number becomes where lengths are counted in `unit_m`, and newtons and seconds stay: by the power
 // of the metre in its own unit. Nothing for a unit that is not known.
 std::optional<double> in_unit(const ParameterDeclaration& declared, double value, double unit_m) {
-  if (declared.name == kUnitParameter) return value * unit_m;
+  if (declared.name == unit_parameter_name) return value * unit_m;
   const auto dimension = rendering::dimension_of(declared.unit);
   if (!dimension) return std::nullopt;
   return value * std::pow(unit_m, -dimension->powers[rendering::UnitDimension::metre]);
@@ -52,7 +52,7 @@ std::optional<double> in_unit(const ParameterDeclaration& declared, double value
 
 std::string why_only_in_metres(const ToolRendererEntry& entry, const Parameters& parameters) {
   for (const ParameterDeclaration& declared : entry.parameters) {
-    for (const double unit_m : kOtherUnits_m) {
+    for (const double unit_m : other_units_m) {
       const auto value = in_unit(declared, parameters.at(declared.name), unit_m);
       if (!value)
         return fmt::format("what its parameter {} [{}] is in another unit of length is not known; known are {}",
@@ -100,15 +100,15 @@ std::unique_ptr<ToolRenderer> make_tool_renderer(const ToolRendererEntry& entry,
 
 ToolSubject subject_of(const ToolRendererEntry& entry, const ToolSettings& settings) {
   // The checks press with up to 3 N.
-  constexpr double kPress_N = 3.0;
+  constexpr double press_N = 3.0;
   const Parameters parameters = checked(entry, settings);
   ToolSubject subject;
   subject.name = entry.name;
   subject.exact_normals = entry.exact_normals;
-  const auto mu = parameters.values().find(kFrictionParameter);
+  const auto mu = parameters.values().find(friction_parameter_name);
   if (mu != parameters.values().end()) subject.mu = mu->second;
   subject.only_in_metres = why_only_in_metres(entry, parameters);
-  if (entry.resolution_m) subject.resolution_m = entry.resolution_m(parameters, kPress_N);
+  if (entry.resolution_m) subject.resolution_m = entry.resolution_m(parameters, press_N);
   subject.make = [entry, settings](const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling) {
     ToolSettings with = settings;
     with.coupling = coupling;

@@ -41,15 +41,15 @@ struct ToolRendererEntry {
 
 // Renderers whose method has lengths of its own (margins, overlaps) declare this parameter, and meshes and poses may
 // then be in any unit of length, if the coupling and the answer are taken in newtons, that unit and radians.
-inline constexpr std::string_view kUnitParameter = "unit_m";
+inline constexpr std::string_view unit_parameter_name = "unit_m";
 inline rendering::ParameterDeclaration unit_parameter() {
-  return {std::string(kUnitParameter), "m", 1e-6, 1e6, 1.0, "how long one unit of meshes, poses and coupling is"};
+  return {std::string(unit_parameter_name), "m", 1e-6, 1e6, 1.0, "how long one unit of meshes, poses and coupling is"};
 }
 
 // Renderers with Coulomb friction at each contact declare this parameter; the checks of tool_checks.h hold them to it.
-inline constexpr std::string_view kFrictionParameter = "mu";
+inline constexpr std::string_view friction_parameter_name = "mu";
 inline rendering::ParameterDeclaration friction_parameter() {
-  return {std::string(kFrictionParameter), "1", 0.0, 5.0, 0.0, "Coulomb friction of each contact; 0 without"};
+  return {std::string(friction_parameter_name), "1", 0.0, 5.0, 0.0, "Coulomb friction of each contact; 0 without"};
 }
 
 // What a user sets of a renderer; parameters that are not named have their initial values.

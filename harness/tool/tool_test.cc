@@ -16,9 +16,9 @@ namespace {
 TEST(MassFrame, OfABoxIsTheTextbooks) {
   const Vec3 low(0.01, -0.02, 0.03);
   const Vec3 size(0.02, 0.05, 0.08);
-  constexpr double kDensity = 7800.0;
-  const MassFrame frame = solid_mass_frame(surface::box_mesh(low, low + size), kDensity);
-  const double mass = kDensity * size.prod();
+  constexpr double density = 7800.0;
+  const MassFrame frame = solid_mass_frame(surface::box_mesh(low, low + size), density);
+  const double mass = density * size.prod();
   EXPECT_NEAR(frame.mass_kg, mass, 1e-12 * mass);
   EXPECT_LE((frame.center_T_m - (low + 0.5 * size)).norm(), 1e-15);
   const Vec3 s2 = size.cwiseProduct(size);

@@ -19,7 +19,7 @@ struct EngineAnswer {
 // At the tips x = 2 sin(0.37 i), y = 1.5 cos(0.23 i), z = 2.5 sin(0.19 i + 0.4) + sin(0.05 i) mm, i = 0, 1, ...; the
 // velocity is that from tip i - 1, also for i = 0.
 // clang-format off
-inline constexpr EngineAnswer kEngineAnswers[] = {
+inline constexpr EngineAnswer engine_answers[] = {
   {-0.3242327, -0.3242327, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}},
   {-0.2494589, -0.2494589, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}},
   {-0.1827149, -0.1827149, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}},

@@ -20,11 +20,11 @@ using rendering::StepResult;
 
 namespace {
 
-constexpr double kStiff = 800.0;
+constexpr double stiff = 800.0;
 
 std::unique_ptr<rendering::Renderer> with(const std::string& effect, std::map<std::string, double> parameters,
                                           const std::string& image = {}) {
-  rendering::Model model = model_of("god-object", {{"stiffness_N_per_m", kStiff}});
+  rendering::Model model = model_of("god-object", {{"stiffness_N_per_m", stiff}});
   model.effects = {{effect, std::move(parameters), "/effects/0", image}};
   return make_renderer(model, make_embree_surface(testing::grid(1.0, 2)));
 }
@@ -39,8 +39,8 @@ std::vector<Vec3> added_by(const std::string& effect, const std::map<std::string
   Hand hand(*renderer);
   hand.to(path(-1));
   std::vector<Vec3> added;
-  for (int i = 0; i < static_cast<int>(std::size(kEngineAnswers)); ++i)
-    added.push_back(hand.to(path(i)).f_W_N - kStiff * std::max(0.0, -path(i).z()) * Vec3::UnitZ());
+  for (int i = 0; i < static_cast<int>(std::size(engine_answers)); ++i)
+    added.push_back(hand.to(path(i)).f_W_N - stiff * std::max(0.0, -path(i).z()) * Vec3::UnitZ());
   return added;
 }
 
@@ -51,8 +51,8 @@ TEST(EngineEffects, AreThoseOfChai3dItself) {
   const auto stick_slip = added_by("stick-slip", {{"stiffness_N_per_m", 100.0}, {"force_N", 0.15}});
   const auto viscosity = added_by("viscosity", {{"coefficient_N_s_per_m", 0.05}});
   int held = 0;
-  for (std::size_t i = 0; i < std::size(kEngineAnswers); ++i) {
-    const EngineAnswer& answer = kEngineAnswers[i];
+  for (std::size_t i = 0; i < std::size(engine_answers); ++i) {
+    const EngineAnswer& answer = engine_answers[i];
     EXPECT_NEAR((outside[i] - Vec3(0.0, 0.0, answer.magnet_z_N)).norm(), 0.0, 1e-7) << i;
     EXPECT_NEAR((inside[i] - Vec3(0.0, 0.0, answer.magnet_inside_z_N)).norm(), 0.0, 1e-7) << i;
     EXPECT_NEAR((stick_slip[i] - Vec3(answer.stick_slip_N.data())).norm(), 0.0, 1e-7) << i;
@@ -98,13 +98,13 @@ TEST(EngineEffects, AMagnetEndsAtItsDistanceAlsoBeforeItTurns) {
   Hand hand(*renderer);
   for (const double gap_m : {2e-3, 1.5e-3, 0.9e-3, distance_m})
     EXPECT_EQ(hand.to({0.1, 0.05, gap_m}).f_W_N, Vec3::Zero()) << gap_m;
-  EXPECT_NEAR(hand.to({0.1, 0.05, std::nextafter(distance_m, 0.0)}).f_W_N.z(), -kStiff * distance_m, 1e-12);
+  EXPECT_NEAR(hand.to({0.1, 0.05, std::nextafter(distance_m, 0.0)}).f_W_N.z(), -stiff * distance_m, 1e-12);
   // Inside it is the same from the other side: 0.4 mm deep the contact's force twice, 0.49 mm deep the contact's alone.
   const auto both = with("magnet", {{"force_N", 0.8}, {"distance_m", distance_m}, {"inside", 1.0}});
   Hand second(*both);
   second.to({0.1, 0.05, 1e-3});
-  EXPECT_NEAR(second.to({0.1, 0.05, -4e-4}).f_W_N.z(), 2.0 * kStiff * 4e-4, 1e-12);
-  EXPECT_NEAR(second.to({0.1, 0.05, -distance_m}).f_W_N.z(), kStiff * distance_m, 1e-12);
+  EXPECT_NEAR(second.to({0.1, 0.05, -4e-4}).f_W_N.z(), 2.0 * stiff * 4e-4, 1e-12);
+  EXPECT_NEAR(second.to({0.1, 0.05, -distance_m}).f_W_N.z(), stiff * distance_m, 1e-12);
 }
 
 // A spring of 100 N/m that slips at 0.05 N: the tip sticks for 0.5 mm, and again from where it slipped.
@@ -122,7 +122,7 @@ TEST(EngineEffects, StickSlipIsASawtooth) {
   // Of any direction: pressed 0.2 mm deeper the spring pushes out.
   hand.to({0.0, 0.0, 1e-3});
   hand.to({0.0, 0.0, -1e-3});
-  EXPECT_NEAR(hand.to({0.0, 0.0, -1.2e-3}).f_W_N.z(), kStiff * 1.2e-3 + 0.02, 1e-9);
+  EXPECT_NEAR(hand.to({0.0, 0.0, -1.2e-3}).f_W_N.z(), stiff * 1.2e-3 + 0.02, 1e-9);
   // Left and touched again, it sticks where it is touched.
   hand.to({0.01, 0.0, 1e-3});
   EXPECT_NEAR(hand.to({0.01, 0.0, -1e-3}).f_W_N.x(), 0.0, 1e-15);
@@ -134,9 +134,9 @@ TEST(EngineEffects, ViscosityHoldsBackInEveryDirection) {
   hand.to({0.0, 0.0, 1e-3});
   hand.to({0.0, 0.0, -1e-3});
   const StepResult result = hand.to({2e-5, -1e-5, -9e-4});  // (20, -10, 100) mm/s, leaving
-  EXPECT_NEAR((result.f_W_N - Vec3(-0.06, 0.03, kStiff * 9e-4 - 0.3)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((result.f_W_N - Vec3(-0.06, 0.03, stiff * 9e-4 - 0.3)).norm(), 0.0, 1e-9);
   // Faster out than the spring pushes: it is held.
-  EXPECT_NEAR(hand.to({2e-5, -1e-5, -1e-4}).f_W_N.z(), kStiff * 1e-4 - 3.0 * 0.8, 1e-9);
+  EXPECT_NEAR(hand.to({2e-5, -1e-5, -1e-4}).f_W_N.z(), stiff * 1e-4 - 3.0 * 0.8, 1e-9);
   EXPECT_EQ(hand.to({2e-5, -1e-5, 1e-4}).f_W_N, Vec3::Zero());
 }
 
@@ -144,8 +144,8 @@ TEST(EngineEffects, ViscosityHoldsBackInEveryDirection) {
 TEST(EngineEffects, ViscosityIsNothingBeforeTheFirstMotion) {
   const auto renderer = with("viscosity", {{"coefficient_N_s_per_m", 3.0}});
   Hand hand(*renderer);
-  EXPECT_EQ(hand.to({0.0, 0.0, -1e-3}).f_W_N, Vec3(0.0, 0.0, kStiff * 1e-3));
-  EXPECT_EQ(hand.to({0.0, 0.0, -1e-3}).f_W_N, Vec3(0.0, 0.0, kStiff * 1e-3));
+  EXPECT_EQ(hand.to({0.0, 0.0, -1e-3}).f_W_N, Vec3(0.0, 0.0, stiff * 1e-3));
+  EXPECT_EQ(hand.to({0.0, 0.0, -1e-3}).f_W_N, Vec3(0.0, 0.0, stiff * 1e-3));
 }
 
 class HeightImageFile : public ::testing::Test {
@@ -179,7 +179,7 @@ TEST_F(HeightImageFile, GivesHeightsBetweenThePixels) {
   Hand hand(*renderer);
   const auto height = [&](double u, double v) {
     const double force = hand.to({0.01 + 2e-3 * u, 0.02 + 2e-3 * v, -2e-3}).f_W_N.z();
-    return (force / kStiff - 2e-3) / 1e-3 + 0.5;
+    return (force / stiff - 2e-3) / 1e-3 + 0.5;
   };
   EXPECT_NEAR(height(0.5, 0.5), 0.4, 1e-6);  // lower left
   EXPECT_NEAR(height(1.5, 0.5), 0.2, 1e-6);

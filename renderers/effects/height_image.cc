@@ -16,8 +16,8 @@ namespace touchstone::renderers {
 namespace {
 
 // More pixels than any height map that a servo loop reads.
-constexpr std::size_t kMostPixels = std::size_t{1} << 28;
-constexpr std::size_t kMostGrey = 65535;
+constexpr std::size_t most_pixels = std::size_t{1} << 28;
+constexpr std::size_t most_grey = 65535;
 
 class PgmReader {
  public:
@@ -29,10 +29,10 @@ class PgmReader {
       fail("a greyscale picture in the PGM format was expected, which begins with P2 or P5");
     rest_.remove_prefix(2);
     HeightImage image;
-    image.width = number("the width", kMostPixels);
-    image.height = number("the height", kMostPixels);
-    const std::size_t white = number("the value of white", kMostGrey);
-    if (image.width == 0 || image.height == 0 || white == 0 || image.height > kMostPixels / image.width)
+    image.width = number("the width", most_pixels);
+    image.height = number("the height", most_pixels);
+    const std::size_t white = number("the value of white", most_grey);
+    if (image.width == 0 || image.height == 0 || white == 0 || image.height > most_pixels / image.width)
       fail(fmt::format("{} x {} pixels with white {} are no picture", image.width, image.height, white));
     const std::size_t count = image.width * image.height;
     const std::size_t least = count * (binary && white > 255 ? 2 : 1);  // as text a digit at least

@@ -13,10 +13,10 @@ using rendering::StepResult;
 
 namespace {
 
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr int kTurns = 400;   // tangent plane and back; each gains a factor of depth over radius of curvature
-constexpr int kNewton = 20;   // to the zero level
-constexpr int kMarch = 4096;  // along the tip's way
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr int turns = 400;   // tangent plane and back; each gains a factor of depth over radius of curvature
+constexpr int newton = 20;   // to the zero level
+constexpr int march = 4096;  // along the tip's way
 
 // A template over its scalar, so that the operations can be counted (harness/base/counted.h).
 template <class S>
@@ -38,7 +38,7 @@ class Implicit final : public Renderer {
   StepResult do_step(const rendering::TipState& tip) noexcept override {
     const V p = tip.p_W_m.cast<S>();
     using std::abs;
-    rounding_m_ = 32.0 * kEps * (field_->size_m() + std::max({abs(p[0]), abs(p[1]), abs(p[2])}));
+    rounding_m_ = 32.0 * eps * (field_->size_m() + std::max({abs(p[0]), abs(p[1]), abs(p[2])}));
     const S here_m = level(p);
     if (!touching_) {
       touching_ = started_ ? enter(p, here_m) : here_m < S(0.0);
@@ -90,8 +90,8 @@ class Implicit final : public Renderer {
     S done = 0.0;
     S value = last_m_;
     // A stride that rounding would swallow is made this long: shorter ones find no crossing that matters.
-    const S least = std::max(4.0 * rounding_m_, length / S(kMarch));
-    for (int i = 0; i < kMarch && done < length; ++i) {
+    const S least = std::max(4.0 * rounding_m_, length / S(march));
+    for (int i = 0; i < march && done < length; ++i) {
       done = std::min(length, done + std::max(least, value / steep));
       const V x = last_W_m_ + done / length * way;
       value = level(x);
@@ -109,7 +109,7 @@ class Implicit final : public Renderer {
     descend(on_W_m_);
     V n = unit(field_->gradient(on_W_m_));
     S moved = std::numeric_limits<double>::infinity();
-    for (int turn = 0; turn < kTurns; ++turn) {
+    for (int turn = 0; turn < turns; ++turn) {
       V x = p - dot(n, p - on_W_m_) * n;
       descend(x);
       const S step = sqrt(squared_norm(x - on_W_m_));
@@ -125,12 +125,12 @@ class Implicit final : public Renderer {
 
   void descend(V& x) const noexcept {
     using std::abs;
-    for (int i = 0; i < kNewton; ++i) {
+    for (int i = 0; i < newton; ++i) {
       const S value = level(x);
       if (abs(value) <= 0.25 * rounding_m_) return;
       const V slope = field_->gradient(x);
       const S steep2 = squared_norm(slope);
-      if (!(steep2 > S(kEps))) return;
+      if (!(steep2 > S(eps))) return;
       x -= value / steep2 * slope;
     }
   }

@@ -18,7 +18,7 @@ using surface::Surface;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
+constexpr double wall_stiffness = 500.0;
 
 std::unique_ptr<rendering::Renderer> implicit(std::shared_ptr<const Surface> surface, double stiffness,
                                               double radius_m = 0.0, double resolution = 64.0) {
@@ -48,11 +48,11 @@ TEST(Implicit, IsTheExactContactOfSmoothAnalyticSurfacesAtEveryScale) {
     for (const double scale : {1e-3, 1.0, 1e3}) {
       for (const double radius : {0.0, 1e-3}) {
         const auto surface = posed(name, scale);
-        const auto renderer = implicit(surface, kStiffness / scale, scale * radius);
+        const auto renderer = implicit(surface, wall_stiffness / scale, scale * radius);
         Hand hand(*renderer);
         double worst = 0.0;
         for (const Vec3& tip : stroke(*surface, scale, scale * radius, 5e-4 * scale, 150)) {
-          const auto exact = synthetic::exact_contact(*surface, tip, kStiffness / scale, scale * radius);
+          const auto exact = synthetic::exact_contact(*surface, tip, wall_stiffness / scale, scale * radius);
           const StepResult result = hand.to(tip);
           if (exact.depth_m > 1e-9 * scale) {
             ASSERT_EQ(result.contact, exact.contact) << name;
@@ -61,7 +61,7 @@ TEST(Implicit, IsTheExactContactOfSmoothAnalyticSurfacesAtEveryScale) {
         }
         // The gradient is known to 1e-11 (finite differences of fourth order); over 0.5 mm of depth and the ball's
         // radius that is the smallest part of it: the distance itself is known to 16 roundings of 0.1 m.
-        EXPECT_LE(worst, kStiffness * 1e-11) << name << " scale " << scale << " radius " << radius;
+        EXPECT_LE(worst, wall_stiffness * 1e-11) << name << " scale " << scale << " radius " << radius;
       }
     }
   }
@@ -71,8 +71,8 @@ TEST(Implicit, IsAReferenceForTheGodObjectOnAFineMesh) {
   for (const char* name : {"bumpy", "torus", "duck"}) {
     const std::shared_ptr<const synthetic::AnalyticSurface> surface = synthetic::make_surface(name);
     const auto mesh = surface->tessellate(20000);
-    const auto reference = implicit(surface, kStiffness);
-    const auto polygonal = god_object(mesh.mesh, kStiffness);
+    const auto reference = implicit(surface, wall_stiffness);
+    const auto polygonal = god_object(mesh.mesh, wall_stiffness);
     Hand left(*reference);
     Hand right(*polygonal);
     for (const Vec3& tip : stroke(*surface, 1.0, 0.0, 1e-3, 400)) {
@@ -88,13 +88,13 @@ TEST(Implicit, StaysOutsideThinShellsAndJumpsOnAnalyticSurfaces) {
     for (const double scale : {1e-3, 1.0, 1e3}) {
       const std::shared_ptr<const Surface> shell =
           synthetic::make_surface("thin-shell", {{"thickness_m", thickness * scale}, {"half_side_m", 0.05 * scale}});
-      const auto renderer = implicit(shell, kStiffness / scale);
+      const auto renderer = implicit(shell, wall_stiffness / scale);
       Hand hand(*renderer);
       double last = 0.0;
       for (int i = -5; i <= 300; ++i) {
         const StepResult now = hand.to(scale * Vec3(0.0013, 0.0021, -1e-5 * i));
         ASSERT_GE(now.f_W_N.z(), last);
-        ASSERT_NEAR(now.f_W_N.z(), kStiffness * 1e-5 * std::max(i, 0), kStiffness * 1e-10);
+        ASSERT_NEAR(now.f_W_N.z(), wall_stiffness * 1e-5 * std::max(i, 0), wall_stiffness * 1e-10);
         last = now.f_W_N.z();
       }
       // In one step.
@@ -160,12 +160,12 @@ TEST(Implicit, OnAMeshItFollowsTheSmoothBody) {
   for (const char* name : {"sphere", "bumpy", "duck"}) {
     const std::shared_ptr<const synthetic::AnalyticSurface> surface = synthetic::make_surface(name);
     const auto tessellation = surface->tessellate(5000);
-    const auto renderer = implicit(make_embree_surface(tessellation.mesh), kStiffness, 0.0, 40.0);
+    const auto renderer = implicit(make_embree_surface(tessellation.mesh), wall_stiffness, 0.0, 40.0);
     Hand hand(*renderer);
     double worst = 0.0;
     int touching = 0;
     for (const Vec3& tip : stroke(*surface, 1.0, 0.0, 5e-4, 300)) {
-      const auto exact = synthetic::exact_contact(*surface, tip, kStiffness, 0.0);
+      const auto exact = synthetic::exact_contact(*surface, tip, wall_stiffness, 0.0);
       const StepResult result = hand.to(tip);
       worst = std::max(worst, std::abs(result.depth_m - exact.depth_m));
       touching += result.contact ? 1 : 0;
@@ -185,17 +185,17 @@ std::shared_ptr<const Surface> turned(const surface::TriangleMesh& mesh) {
 
 TEST(Implicit, PinnedLimitAMeshThinnerThanTwoSamplesIsNotThere) {
   const auto plate = turned(synthetic::make_mesh("thin-shell", {{"thickness_m", 2e-4}}, 200).mesh);
-  const auto renderer = implicit(plate, kStiffness);
+  const auto renderer = implicit(plate, wall_stiffness);
   Hand hand(*renderer);
   StepResult now;
   for (int i = 0; i <= 200; ++i) now = hand.to(awkward_rotation() * Vec3(0.0013, 0.0021, 1e-3 - 1e-5 * i));
-  EXPECT_LT(now.f_W_N.norm(), 0.5 * kStiffness * 1e-3) << "known limit: 1 mm below its top";
+  EXPECT_LT(now.f_W_N.norm(), 0.5 * wall_stiffness * 1e-3) << "known limit: 1 mm below its top";
   EXPECT_NE(find_limitation(implicit_entry().cannot, rendering::Ability::thin_shells), nullptr);
 }
 
 TEST(Implicit, PinnedLimitTheEdgesOfAMeshAreRounded) {
   const auto surface = turned(testing::cube(0.02));
-  const auto renderer = implicit(surface, kStiffness, 0.0, 40.0);
+  const auto renderer = implicit(surface, wall_stiffness, 0.0, 40.0);
   Hand hand(*renderer);
   double off = 0.0;
   for (int i = 0; i < 100; ++i) {

@@ -58,14 +58,14 @@ class SampledField final : public SignedFieldOf<S> {
   SampledField(const Surface& surface, int resolution) : box_(surface.bounds()) {
     size_m_ = box_.sizes().maxCoeff();
     // `resolution` nodes along the longest side, margins included; the shorter sides have as many as cover them.
-    step_m_ = size_m_ / (resolution - 1 - 2 * kMargin);
+    step_m_ = size_m_ / (resolution - 1 - 2 * margin);
     std::size_t nodes = 1;
     for (std::size_t i = 0; i < 3; ++i) {
       const double side = box_.sizes()[static_cast<Eigen::Index>(i)];
-      count_[i] = static_cast<std::size_t>(std::ceil(side / step_m_ - 1e-6)) + 1 + std::size_t{2} * kMargin;
+      count_[i] = static_cast<std::size_t>(std::ceil(side / step_m_ - 1e-6)) + 1 + std::size_t{2} * margin;
       nodes *= count_[i];
     }
-    origin_W_m_ = box_.min() - step_m_ * Vec3::Constant(kMargin);
+    origin_W_m_ = box_.min() - step_m_ * Vec3::Constant(margin);
     value_m_.resize(nodes);
     const auto fill = [&](std::size_t row) {
       const std::size_t y = row % count_[1];
@@ -107,7 +107,7 @@ class SampledField final : public SignedFieldOf<S> {
 
  private:
   // Nodes beyond the body's box: a tip in contact stays where the cubic has all its samples.
-  static constexpr int kMargin = 3;
+  static constexpr int margin = 3;
 
   struct Place {
     std::array<std::size_t, 3> first{};  // of the four samples

@@ -99,8 +99,8 @@ class ConeFollower {
   template <class Proxy, class S = typename Proxy::Scalar>
   void slide(Proxy& proxy, const Vec3Of<S>& p, const ConeSplitOf<S>& split, const S& rounding) noexcept {
     using std::abs;
-    constexpr int kRounds = 16;
-    constexpr double kConverged = 1e-12;  // of what presses
+    constexpr int rounds = 16;
+    constexpr double converged = 1e-12;  // of what presses
     const S mu(friction_.mu_dynamic);
     const S slide_m = norm(split.slide);
     sliding_ = true;
@@ -112,14 +112,14 @@ class ConeFollower {
     S last(1.0);
     S last_excess = slide_m - mu * split.pressed;
     S share = mu * split.pressed / slide_m;
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       proxy.pull(p - share * split.slide);
       if (!proxy.touching()) return proxy.pull(p);
       const SlidePlaceOf<S> here{share, proxy.position(), proxy.contact_normals()};
       const ConeSplitOf<S> now = split_by_normals<S>(here.contact, p - here.position, rounding);
       const S limit = mu * now.pressed;
       const S excess = norm(now.slide) - limit;
-      if (abs(excess) <= S(kConverged) * now.pressed + rounding) return;
+      if (abs(excess) <= S(converged) * now.pressed + rounding) return;
       // Caught in a valley, where less than sliding friction holds it.
       if (here.contact.size > 1 && excess < S(-0.5) * limit) return;
       const bool is_inside = excess < S(0.0);

@@ -46,11 +46,11 @@ class JumpSeeker {
          const S& mu, const S& rounding) noexcept {
     const int before = side_;
     side_ = 0;
-    if (misses_ > kMisses || inside.contact.size == 0 || outside.contact.size == 0) return S(-1.0);
+    if (misses_ > misses || inside.contact.size == 0 || outside.contact.size == 0) return S(-1.0);
     jump_ = jump_between<S>(inside, outside, slide, p, mu, rounding);
     if (jump_.share < S(0.0)) return S(-1.0);
     slide_m_ = norm(slide);
-    near_ = std::max(S(kNear), S(kApart * rounding / jump_.turn_m));
+    near_ = std::max(S(near), S(apart * rounding / jump_.turn_m));
     side_ = before < 0 ? 1 : -1;
     return jump_.share + S(side_) * near_;
   }
@@ -60,13 +60,13 @@ class JumpSeeker {
     if (side_ == 0) return false;
     if (is_inside != (side_ < 0)) ++misses_;
     return is_inside && side_ < 0 &&
-           distance<S>(here.position, jump_.position) <= near_ * slide_m_ + S(kApart) * rounding;
+           distance<S>(here.position, jump_.position) <= near_ * slide_m_ + S(apart) * rounding;
   }
 
  private:
-  static constexpr double kNear = 1e-9;  // share of the slide, to each side of the jump
-  static constexpr double kApart = 8.0;  // roundings between two places that are not the same
-  static constexpr int kMisses = 3;      // of jumps that were elsewhere than the planes put them, before it gives up
+  static constexpr double near = 1e-9;  // share of the slide, to each side of the jump
+  static constexpr double apart = 8.0;  // roundings between two places that are not the same
+  static constexpr int misses = 3;      // of jumps that were elsewhere than the planes put them, before it gives up
   JumpOf<S> jump_;
   S near_{0.0};
   S slide_m_{0.0};

@@ -7,9 +7,9 @@ namespace touchstone::renderers {
 
 template <class Object>
 void fetch(const Object& object) noexcept {
-  constexpr std::size_t kLine = 64;
+  constexpr std::size_t line = 64;
   const auto* const first = reinterpret_cast<const char*>(&object);
-  for (std::size_t offset = 0; offset < sizeof(Object); offset += kLine) __builtin_prefetch(first + offset);
+  for (std::size_t offset = 0; offset < sizeof(Object); offset += line) __builtin_prefetch(first + offset);
   __builtin_prefetch(first + sizeof(Object) - 1);
 }
 

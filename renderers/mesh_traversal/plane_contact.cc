@@ -16,18 +16,18 @@
 namespace touchstone::renderers {
 namespace {
 
-constexpr int kMostMoves = 256;
+constexpr int most_moves = 256;
 // Moves without coming closer to the tip before it rests where it is: at most four planes change places at one point.
-constexpr int kIdleMoves = 8;
+constexpr int idle_moves = 8;
 // The free point's distance: above rims that stand out as far as counts as flush, with as much to spare.
-constexpr double kLift = 2.0;
+constexpr double lift_factor = 2.0;
 // Outlines end wider by half of what counts as flush when they stop a way, by all of it when they are left: a way that
 // has left one does not meet it again, and finds the neighbour across any gap that counts as none.
-constexpr double kStopsWithin = 0.5;
+constexpr double stops_within = 0.5;
 // Directions that floors about one place may have: the faces about a corner of boxes, of both orientations.
-constexpr std::size_t kMostFloors = 6;
+constexpr std::size_t most_floors = 6;
 // Cosine from which two floors have one direction: both hold a tip at what counts as flush, whichever is taken.
-constexpr double kSameFloor = 0.999;
+constexpr double same_floor = 0.999;
 
 const Vec3& no_place() {
   static const Vec3 place = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -73,7 +73,7 @@ void PlaneContactOf<Mesh>::Active::remove(int index) noexcept {
 
 template <class Mesh>
 PlaneContactOf<Mesh>::PlaneContactOf(const Mesh& mesh)
-    : mesh_(&mesh), flush_(mesh.flush()), lift_(kLift * flush_), pulled_to_(no_place()) {}
+    : mesh_(&mesh), flush_(mesh.flush()), lift_(lift_factor * flush_), pulled_to_(no_place()) {}
 
 template <class Mesh>
 void PlaneContactOf<Mesh>::start_on(std::int32_t triangle, const Vec3& g) noexcept {
@@ -142,13 +142,13 @@ void PlaneContactOf<Mesh>::descend(const Vec3& p) noexcept {
   double least = std::numeric_limits<double>::infinity();
   int idle = 0;
   bool arrived = false;
-  for (int move = 0; move < kMostMoves && idle < kIdleMoves; ++move) {
+  for (int move = 0; move < most_moves && idle < idle_moves; ++move) {
     Vec3 goal = p;
     if (active_.size > 0 && !nearest_in_front(p, lift_, goal)) break;
     const FrontCrossing hit = first_front_crossing(
         *mesh_, free_, goal,
         [&](std::int32_t t) { return active_.has(t) || beside(mesh_->facet(t), free_, goal, flush_); },
-        kStopsWithin * flush_);
+        stops_within * flush_);
     if (!over_border(p, goal, hit.fraction)) {
       if (hit.triangle < 0) {
         free_ = goal;
@@ -221,7 +221,7 @@ std::int32_t PlaneContactOf<Mesh>::floor_over(std::int32_t side, const Vec3& pla
     std::int32_t triangle;
     Vec3 n;
   };
-  std::array<Floor, kMostFloors> floors;
+  std::array<Floor, most_floors> floors;
   std::size_t count = 0;
   mesh_->tree().within(place, flush_, [&](std::int32_t t) {
     const Facet& facet = mesh_->facet(t);
@@ -231,10 +231,10 @@ std::int32_t PlaneContactOf<Mesh>::floor_over(std::int32_t side, const Vec3& pla
     if (surface::closest_on_triangle(mesh_->corners(t), facet.n, place).squared_distance > flush_ * flush_)
       return flush_;
     const auto end = floors.begin() + static_cast<std::ptrdiff_t>(count);
-    const auto same = std::find_if(floors.begin(), end, [&](const Floor& f) { return dot(f.n, facet.n) > kSameFloor; });
+    const auto same = std::find_if(floors.begin(), end, [&](const Floor& f) { return dot(f.n, facet.n) > same_floor; });
     if (same != end) {
       if (t < same->triangle) *same = {t, facet.n};
-    } else if (count < kMostFloors) {
+    } else if (count < most_floors) {
       floors[count++] = {t, facet.n};
     }
     return flush_;

@@ -10,7 +10,7 @@ namespace touchstone::renderers {
 namespace {
 
 // A ball that holds more than the body: queries ask a little beyond what they look for.
-constexpr double kSpare = 1.0 + 1e-6;
+constexpr double spare = 1.0 + 1e-6;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ PosedBody::PosedBody(const rendering::SceneBody& body, std::int32_t first_triang
       first_vertex_(first_vertex) {
   const Box3 box = surface_->bounds();
   center_B_ = box.center();
-  radius_ = kSpare * 0.5 * box.diagonal().norm() + flush_m(mesh_->magnitude());
+  radius_ = spare * 0.5 * box.diagonal().norm() + flush_m(mesh_->magnitude());
   const rendering::BodyPose pose = track_.first();
   p_ = p_before_ = pose.p_W_m;
   turn_ = turn_before_ = pose.q_WB.toRotationMatrix();

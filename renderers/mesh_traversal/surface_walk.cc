@@ -51,7 +51,7 @@ S pressed_on_edge(const EdgeView<S>& edge, const Vec3Of<S>& n1, const Vec3Of<S>&
 
 // Moves without coming closer to the tip before the walk gives up: exact arithmetic needs none at all, rounding a few
 // at a vertex. The god-object then rests where it is, which is on the surface.
-constexpr int kPatience = 64;
+constexpr int most_rounds = 64;
 
 }  // namespace
 
@@ -124,7 +124,7 @@ auto SurfaceWalkOf<Mesh>::slip(S depth_m) noexcept -> S {
 template <class Mesh>
 bool SurfaceWalkOf<Mesh>::descend(const V& p) noexcept {
   S least = S(std::numeric_limits<double>::infinity());
-  int patience = kPatience;
+  int patience = most_rounds;
   stopped_ = false;
   while (true) {
     bool done = false;
@@ -145,7 +145,7 @@ bool SurfaceWalkOf<Mesh>::descend(const V& p) noexcept {
     if (done) return !stopped_;
     ++transitions_;
     const S left = squared_norm(p - g_);
-    patience = left < least ? kPatience : patience - 1;
+    patience = left < least ? most_rounds : patience - 1;
     least = std::min(least, left);
     if (patience == 0) {
       // Along a rim to rounding it can be neither on the sheet nor past it: then it is past it.

@@ -13,23 +13,23 @@ using surface::Feature;
 
 namespace {
 
-constexpr int kNewtonSteps = 16;
-constexpr int kFeatureChanges = 6;
+constexpr int newton_steps = 16;
+constexpr int feature_changes = 6;
 // Of rounding: what may be left of a gap where the answer no longer moves, or goes round between places below rounding
 // apart. Of normals nearly alike (cos 0.9999) the equations of the multipliers lose four digits, and with them the
 // place.
-constexpr double kStanding = 64.0;
+constexpr double standing = 64.0;
 // Of the last move: one that is no shorter than this gains nothing, or too little for the steps that are left.
-constexpr double kGaining = 0.4;
+constexpr double gaining = 0.4;
 // Of rounding: moves between planes that stay longer than that do not become shorter.
-constexpr double kNoise = 16.0;
+constexpr double noise_ulps = 16.0;
 // Of two unit normals: planes that differ by less meet in a crease that costs the multipliers' equations six digits.
-constexpr double kNearlyFlat = 1e-3;
+constexpr double nearly_flat_sine = 1e-3;
 // For what is farther for sure, rounding aside.
-constexpr double kBeyond = 1.0 + 64.0 * std::numeric_limits<double>::epsilon();
+constexpr double beyond_factor = 1.0 + 64.0 * std::numeric_limits<double>::epsilon();
 // Noise goes round among that many places at most, nearly always: 223 of 235 runs that did not settle.
-constexpr int kCircle = 4;
-constexpr int kCuts = 40;  // of the search for the least distance along a way
+constexpr int circle = 4;
+constexpr int cuts = 40;  // of the search for the least distance along a way
 
 // On one triangle: by its face, edge or corner in closed form, until the answer's own closest feature is the one used.
 // Both this and newton() answer false where the contact ends up on the triangle's other side.
@@ -40,7 +40,7 @@ bool rest_on_one(const Mesh& mesh, std::int32_t triangle, const S& r, const Vec3
   const FacetOf<S>& facet = mesh.facet(triangle);
   TouchOf<S> now = touch(mesh, triangle, x);
   const V before = now.n;
-  for (int change = 0; change < kFeatureChanges; ++change) {
+  for (int change = 0; change < feature_changes; ++change) {
     V next;
     S pull(0.0);
     if (now.feature == Feature::face) {
@@ -90,7 +90,7 @@ bool nearly_flat(const Mesh& mesh, const Holding& holding) noexcept {
   if (holding.size != 2) return false;
   const Vec3Of<S>& a = mesh.facet(holding.triangle[0]).n;
   const Vec3Of<S>& b = mesh.facet(holding.triangle[1]).n;
-  return squared_distance<S>(a, b) < kNearlyFlat * kNearlyFlat;
+  return squared_distance<S>(a, b) < nearly_flat_sine * nearly_flat_sine;
 }
 
 enum class Found : std::uint8_t { rest, nothing, unsettled };
@@ -107,9 +107,9 @@ Found newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<
   S last_length(std::numeric_limits<double>::infinity());
   bool was_slow = false;
   bool were_planes = false;
-  std::array<Vec3Of<S>, kCircle> places;  // after the last steps, and the multipliers of each
-  std::array<Multipliers, kCircle> pressed;
-  for (int step = 0; step < kNewtonSteps; ++step) {
+  std::array<Vec3Of<S>, circle> places;  // after the last steps, and the multipliers of each
+  std::array<Multipliers, circle> pressed;
+  for (int step = 0; step < newton_steps; ++step) {
     Normals n;
     Multipliers gap;
     Mat3Of<S> k = Mat3Of<S>::Identity();
@@ -158,10 +158,10 @@ Found newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<
     // What will not settle in the steps that are left, in a nearly flat crease. Planes meet after one step, but for
     // rounding, which the angle between them magnifies. Where an edge lies in the plane of the other triangle the two
     // are tangential to each other: each move is half of the last.
-    const bool slow = !far && length >= S(kGaining) * last_length;
+    const bool slow = !far && length >= S(gaining) * last_length;
     const bool planes_again = were_planes && !edges && !far;
-    const bool noise = planes_again && length > S(kNoise) * rounding;
-    const bool late = slow && was_slow && length > S(std::ldexp(1.0, kNewtonSteps - step)) * rounding;
+    const bool noise = planes_again && length > S(noise_ulps) * rounding;
+    const bool late = slow && was_slow && length > S(std::ldexp(1.0, newton_steps - step)) * rounding;
     if ((noise || late) && nearly_flat(mesh, holding)) return Found::unsettled;
     were_planes = !edges && !far;
     was_slow = slow;
@@ -171,18 +171,18 @@ Found newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<
     x = next;
     // A place and its multipliers are all that the next step depends on: what comes back to them goes round for ever.
     bool circles = false;
-    for (int i = std::max(0, step - kCircle); i < step && slow && !circles; ++i) {
-      const auto at = static_cast<std::size_t>(i % kCircle);
+    for (int i = std::max(0, step - circle); i < step && slow && !circles; ++i) {
+      const auto at = static_cast<std::size_t>(i % circle);
       circles = places[at] == x && pressed[at] == l;
     }
     // The last normals are those at x but for a step of rounding.
     const bool ends = stands || circles || (planes_again && slow);
-    if (!far && length <= (planes_again && slow ? S(kStanding * rounding) : rounding) &&
-        closed(ends ? S(kStanding * rounding) : rounding))
+    if (!far && length <= (planes_again && slow ? S(standing * rounding) : rounding) &&
+        closed(ends ? S(standing * rounding) : rounding))
       return holds() ? Found::rest : Found::nothing;
     if (circles || (stands && !far && length <= rounding)) return Found::unsettled;
-    places[static_cast<std::size_t>(step % kCircle)] = x;
-    pressed[static_cast<std::size_t>(step % kCircle)] = l;
+    places[static_cast<std::size_t>(step % circle)] = x;
+    pressed[static_cast<std::size_t>(step % circle)] = l;
   }
   return Found::unsettled;
 }
@@ -282,7 +282,7 @@ bool comes_within(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x, c
   const S outside = -std::min(std::min(dot(facet.inward[0], from), dot(facet.inward[1], from) - facet.inset),
                               dot(facet.inward[2], from));
   if (outside <= S(0.0)) return true;
-  if (height * height + outside * outside > kBeyond * reach * reach) return false;
+  if (height * height + outside * outside > beyond_factor * reach * reach) return false;
   return touch(mesh, triangle, x).d <= reach;
 }
 
@@ -292,7 +292,7 @@ bool surely_beyond(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x, 
   const S height = facet.height(x);
   if (height >= reach) return true;
   const S outside = -std::min(std::min(facet.inside(0, x), facet.inside(1, x)), facet.inside(2, x));
-  return outside > S(0.0) && height * height + outside * outside > kBeyond * reach * reach;
+  return outside > S(0.0) && height * height + outside * outside > beyond_factor * reach * reach;
 }
 
 // The distance from a convex set is convex along the way: between two points it lies above the tangents there, and they
@@ -311,7 +311,7 @@ bool stays_clear(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& a, co
   At low = place(0.0);
   At high = place(1.0);
   if (low.d < distance || high.d < distance) return false;
-  for (int i = 0; i < kCuts; ++i) {
+  for (int i = 0; i < cuts; ++i) {
     if (low.slope >= S(0.0) || high.slope <= S(0.0)) return true;
     // Where the tangents meet.
     const S t = (high.d - low.d + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope);
@@ -344,7 +344,7 @@ Vec3Of<S> way_round(const Mesh& mesh, const Holding& holding, const S& r, const 
   // The triangles at the edge or corner, and no other.
   for (int i = 0; i < holding.size; ++i) {
     const TouchOf<S> other = touch(mesh, holding.triangle[static_cast<std::size_t>(i)], x);
-    if (other.feature == Feature::face || distance<S>(other.n, t.n) * r > kStanding * rounding) return p;
+    if (other.feature == Feature::face || distance<S>(other.n, t.n) * r > standing * rounding) return p;
   }
   const FacetOf<S>& facet = mesh.facet(triangle);
   Vec3Of<S> foot = mesh.vertex(facet.corner[t.index]);

@@ -11,15 +11,15 @@
 namespace touchstone::renderers {
 namespace {
 
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double eps = std::numeric_limits<double>::epsilon();
 // Triangles to gather at a time: enough for several servo ticks, few enough to test quickly.
-constexpr std::size_t kFew = 16, kMany = 96, kMost = 4096;
-constexpr std::size_t kMostProposed = 2 * kMost;  // by the tree
-constexpr int kMoves = 256;                       // per step; a jump across the object takes some
-constexpr int kStraight = 64;                     // of these, before a way round is looked for
-constexpr int kGlide = 8;                         // edges of one move over faces
-constexpr int kExchanges = 12;                    // of holding triangles per move
-constexpr double kAhead = 0.7;                    // of the margin: how far ahead of the centre to gather
+constexpr std::size_t few = 16, many = 96, most = 4096;
+constexpr std::size_t most_proposed = 2 * most;  // by the tree
+constexpr int most_moves = 256;                  // per step; a jump across the object takes some
+constexpr int straight = 64;                     // of these, before a way round is looked for
+constexpr int most_glides = 8;                   // edges of one move over faces
+constexpr int exchanges = 12;                    // of holding triangles per move
+constexpr double ahead = 0.7;                    // of the margin: how far ahead of the centre to gather
 
 const ContactMesh& plain_mesh(const ContactMesh& mesh) { return mesh; }
 const ContactMesh& plain_mesh(const CountedContactMesh& mesh) { return mesh.plain(); }
@@ -35,13 +35,13 @@ BallProxyOf<Mesh>::BallProxyOf(const Mesh& mesh, const surface::Surface& surface
       cone_(friction),
       probe_walk_(mesh),
       vicinity_(std::in_place, plain_mesh(mesh), radius_m),
-      near_(kMost),
+      near_(most),
       // Of a ball larger by a margin than one that rests on a plane, a cap of 2 pi r margin lies below the plane.
-      most_margin_(static_cast<double>(kMany / 2) * plain_mesh(mesh).mean_area() / (2.0 * EIGEN_PI * radius_m)),
+      most_margin_(static_cast<double>(many / 2) * plain_mesh(mesh).mean_area() / (2.0 * EIGEN_PI * radius_m)),
       next_margin_(std::min(S(0.25 * radius_m), most_margin_)) {
-  candidates_.reserve(kMostProposed);
-  half_spaces_.reserve(kMost);
-  limiting_.reserve(kMost);
+  candidates_.reserve(most_proposed);
+  half_spaces_.reserve(most);
+  limiting_.reserve(most);
 }
 
 template <class Mesh>
@@ -79,7 +79,7 @@ void BallProxyOf<Mesh>::start(const V& p) noexcept {
   while (reach < 1e3 * (r_ + mesh_->extent())) {
     c_ = foot.template cast<S>() + reach * out;
     const Vec3 at = c_.template cast<double>();
-    if (S(surface_->closest(at).distance_m) >= r_ * (1.0 - 64.0 * kEps) && !(bodies && winding_about(plain, at) > 0))
+    if (S(surface_->closest(at).distance_m) >= r_ * (1.0 - 64.0 * eps) && !(bodies && winding_about(plain, at) > 0))
       break;
     reach *= 2.0;
   }
@@ -115,20 +115,20 @@ auto BallProxyOf<Mesh>::normal(const V& p) const noexcept -> V {
 
 template <class Mesh>
 auto BallProxyOf<Mesh>::rounding_at(const V& x) const noexcept -> S {
-  return 32.0 * kEps * std::max(S(mesh_->magnitude()), largest(x));
+  return 32.0 * eps * std::max(S(mesh_->magnitude()), largest(x));
 }
 
 template <class Mesh>
 void BallProxyOf<Mesh>::pull(const V& p) noexcept {
   rounding_ = std::max(rounding_at(p), rounding_at(c_));
-  for (int move = 0; move < kMoves; ++move) {
+  for (int move = 0; move < most_moves; ++move) {
     ++moves_;
     Holding holding = holding_;
     V x = c_;
     Check checked;
     if (settle(p, holding, x, checked)) {
       if (advance(x, checked, holding)) return;
-    } else if (!constrained_step(move < kStraight ? p : way_round(*mesh_, holding_, r_, c_, p, rounding_))) {
+    } else if (!constrained_step(move < straight ? p : way_round(*mesh_, holding_, r_, c_, p, rounding_))) {
       return;
     }
   }
@@ -141,7 +141,7 @@ void BallProxyOf<Mesh>::gather(const V& at, S margin) noexcept {
   while (!gather_within(at, margin) && margin > rounding_) margin *= 0.25;
   gathered_at_ = at;
   margin_ = margin;
-  next_margin_ = std::min(margin * (near_.size() > kMany ? 0.5 : near_.size() < kFew ? 1.5 : 1.0), most_margin_);
+  next_margin_ = std::min(margin * (near_.size() > many ? 0.5 : near_.size() < few ? 1.5 : 1.0), most_margin_);
 }
 
 // False where there are too many.
@@ -151,7 +151,7 @@ bool BallProxyOf<Mesh>::gather_within(const V& at, const S& margin) noexcept {
   candidates_.clear();
   bool all = true;
   mesh_->tree().within(at, reach, [&](std::int32_t t) {
-    if (candidates_.size() < kMostProposed) {
+    if (candidates_.size() < most_proposed) {
       candidates_.push_back(t);
       fetch(mesh_->facet(t));
     } else {
@@ -166,7 +166,7 @@ bool BallProxyOf<Mesh>::gather_within(const V& at, const S& margin) noexcept {
   for (const std::int32_t t : candidates_) {
     const FacetOf<S>& facet = mesh_->facet(t);
     if (is_zero(facet.n) || !comes_within(*mesh_, t, at, reach)) continue;
-    if (near_.size() == kMost) return false;
+    if (near_.size() == most) return false;
     // Where the surface bends away the triangle's own plane does, now and later: no need of its closest point.
     if (facet.height(c_) >= r_) {
       near_.add(t, facet.n, r_ - facet.height(at));
@@ -274,7 +274,7 @@ bool BallProxyOf<Mesh>::glide(const V& p, Holding& holding, V& x, Check& result)
   if (holding.size != 1) return false;
   std::int32_t triangle = holding.triangle[0];
   std::int32_t from = -1;
-  for (int edges = 0; edges < kGlide; ++edges) {
+  for (int edges = 0; edges < most_glides; ++edges) {
     const FacetOf<S>& facet = mesh_->facet(triangle);
     const S pull = r_ - facet.height(p);
     if (!facet.regular || !(pull >= 0.0) || !(facet.height(c_) > 0.0)) return false;
@@ -337,7 +337,7 @@ bool BallProxyOf<Mesh>::settle(const V& p, Holding& holding, V& x, Check& result
     }
     if (!found) return false;
   }
-  for (int round = 0; round < kExchanges; ++round) {
+  for (int round = 0; round < exchanges; ++round) {
     const auto listed = check_listed(x, holding);
     result = listed ? *listed : check(x, holding);
     if (result.worst < 0) return true;
@@ -418,7 +418,7 @@ bool BallProxyOf<Mesh>::advance(const V& x, const Check& checked, const Holding&
   if (!covered(x)) {
     // Ahead, where it will be in the next steps, if both ends fit; else only as far as the margin goes.
     if (length <= next_margin_) {
-      gather(c_ + std::max(S(0.5), kAhead * next_margin_ / length) * (x - c_), next_margin_);
+      gather(c_ + std::max(S(0.5), ahead * next_margin_ / length) * (x - c_), next_margin_);
       return false;
     }
     next_margin_ = std::min(length, S(2.0 * next_margin_));

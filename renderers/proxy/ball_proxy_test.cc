@@ -20,10 +20,10 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double stiffness = 500.0;
+constexpr double eps = std::numeric_limits<double>::epsilon();
 // Rounding of a position in a shape of 0.1 m, with the solver's own stopping rule (32 eps of the largest coordinate).
-constexpr double kRounding = 256.0 * kEps * 0.1;
+constexpr double rounding = 256.0 * eps * 0.1;
 
 struct World {
   TriangleMesh mesh;
@@ -36,7 +36,7 @@ struct World {
   World(const TriangleMesh& shape, double radius, double scale_)
       : shift(scale_ * Vec3(0.01, -0.02, 0.005)),
         scale(scale_),
-        renderer(god_object(surface::moved(shape, turn, shift, scale), kStiffness / scale, radius * scale)),
+        renderer(god_object(surface::moved(shape, turn, shift, scale), stiffness / scale, radius * scale)),
         hand(*renderer) {}
 
   struct Answer {
@@ -71,9 +71,9 @@ TEST(BallProxy, OnAPlaneItRestsAtItsRadiusOverFacesEdgesAndVertices) {
         const double depth = random.log_uniform(1e-7, 5e-3);
         const auto answer = world.to({at.x(), at.y(), radius - depth});
         ASSERT_TRUE(answer.contact) << i;
-        ASSERT_LE((answer.center - Vec3(at.x(), at.y(), radius)).norm(), kRounding)
+        ASSERT_LE((answer.center - Vec3(at.x(), at.y(), radius)).norm(), rounding)
             << "radius " << radius << " scale " << scale << " step " << i;
-        ASSERT_LE((answer.force - Vec3(0, 0, kStiffness * depth)).norm(), kStiffness * kRounding);
+        ASSERT_LE((answer.force - Vec3(0, 0, stiffness * depth)).norm(), stiffness * rounding);
       }
       EXPECT_FALSE(world.to({at.x(), at.y(), 1.001 * radius}).contact);
     }
@@ -90,9 +90,9 @@ TEST(BallProxy, RollsOverARidgeAndRestsInAGroove) {
       for (const double angle : testing::steps(-0.7, 0.7 + 0.025, 0.05)) {
         const Vec3 out(std::sin(angle), 0, std::cos(angle));
         const auto answer = roof.to(Vec3(0, 0.003 + 0.002 * angle, 0) + 0.8 * radius * out);
-        ASSERT_LE((answer.center - Vec3(0, 0.003 + 0.002 * angle, 0) - radius * out).norm(), kRounding)
+        ASSERT_LE((answer.center - Vec3(0, 0.003 + 0.002 * angle, 0) - radius * out).norm(), rounding)
             << angle << " radius " << radius << " scale " << scale;
-        ASSERT_LE((answer.force - kStiffness * 0.2 * radius * out).norm(), kStiffness * kRounding);
+        ASSERT_LE((answer.force - stiffness * 0.2 * radius * out).norm(), stiffness * rounding);
       }
       // In a groove of opening 2a the ball hangs between the walls: its centre r / sin a over the bottom.
       const double opening = 1.2;
@@ -101,10 +101,10 @@ TEST(BallProxy, RollsOverARidgeAndRestsInAGroove) {
       const double hang = -0.02 + radius / std::sin(0.5 * opening);
       groove.stroke({0.0001, 0.001, 0.004}, {0.00005, 0.002, hang + 1e-5}, 60);
       const auto answer = groove.to({0.0001 * radius, 0.0041, hang - 0.4 * radius});
-      ASSERT_LE((answer.center - Vec3(0, 0.0041, hang)).norm(), kRounding) << "radius " << radius << " scale " << scale;
-      ASSERT_LE((answer.force - kStiffness * Vec3(-0.0001 * radius, 0, 0.4 * radius)).norm(), kStiffness * kRounding);
+      ASSERT_LE((answer.center - Vec3(0, 0.0041, hang)).norm(), rounding) << "radius " << radius << " scale " << scale;
+      ASSERT_LE((answer.force - stiffness * Vec3(-0.0001 * radius, 0, 0.4 * radius)).norm(), stiffness * rounding);
       // Of two walls the normal is neither's, but the direction in which both push.
-      ASSERT_LE((answer.normal - answer.force.normalized()).norm(), 4.0 * kEps) << answer.normal.transpose();
+      ASSERT_LE((answer.normal - answer.force.normalized()).norm(), 4.0 * eps) << answer.normal.transpose();
     }
   }
 }
@@ -123,16 +123,16 @@ TEST(BallProxy, RollsOverASharpEdgeInOneStepAtAnyDistanceFromItsLine) {
           const auto at = [&](double x, double z) { return Vec3(0.02 + x, y, 0.02 + z); };
           block.stroke(at(-3.0 * radius, 2.0 * radius), at(-2.0 * radius, -below * offset), 10);
           const auto before = block.stroke(at(-2.0 * radius, -below * offset), at(-offset, -below * offset), 30);
-          ASSERT_LE((before.center - at(-offset, radius)).norm(), kRounding) << offset << " radius " << radius;
+          ASSERT_LE((before.center - at(-offset, radius)).norm(), rounding) << offset << " radius " << radius;
           const auto after = block.to(at(offset, -below * offset));
-          ASSERT_LE((after.center - at(radius, -below * offset)).norm(), kRounding)
+          ASSERT_LE((after.center - at(radius, -below * offset)).norm(), rounding)
               << "offset " << offset << " radius " << radius << " scale " << scale << ": "
               << (after.center - at(0, 0)).transpose();
-          ASSERT_LE((after.force - kStiffness * Vec3(radius - offset, 0, 0)).norm(), kStiffness * kRounding);
+          ASSERT_LE((after.force - stiffness * Vec3(radius - offset, 0, 0)).norm(), stiffness * rounding);
           // On the arc, where the tip is beyond both faces.
           const Vec3 out = Vec3(1.0, 0.0, below).normalized();
           const auto on_arc = block.to(at(0, 0) + offset * out);
-          ASSERT_LE((on_arc.center - at(0, 0) - radius * out).norm(), radius / offset * kRounding) << offset;
+          ASSERT_LE((on_arc.center - at(0, 0) - radius * out).norm(), radius / offset * rounding) << offset;
         }
       }
     }
@@ -148,13 +148,13 @@ TEST(BallProxy, RestsInACornerUnderThreePlanes) {
       room.to({0.001, 0.002, 0.003});
       const double inner = 0.02 - radius;
       const auto corner = room.to({0.023, 0.0216, -0.0204});
-      ASSERT_LE((corner.center - Vec3(inner, inner, -inner)).norm(), kRounding)
+      ASSERT_LE((corner.center - Vec3(inner, inner, -inner)).norm(), rounding)
           << "radius " << radius << " scale " << scale;
-      ASSERT_LE((corner.normal - corner.force.normalized()).norm(), 4.0 * kEps) << corner.normal.transpose();
+      ASSERT_LE((corner.normal - corner.force.normalized()).norm(), 4.0 * eps) << corner.normal.transpose();
       const auto edge = room.to({0.023, 0.0216, -0.5 * inner});
-      ASSERT_LE((edge.center - Vec3(inner, inner, -0.5 * inner)).norm(), kRounding);
+      ASSERT_LE((edge.center - Vec3(inner, inner, -0.5 * inner)).norm(), rounding);
       const auto face = room.to({0.023, 0.1 * inner, -0.5 * inner});
-      ASSERT_LE((face.center - Vec3(inner, 0.1 * inner, -0.5 * inner)).norm(), kRounding);
+      ASSERT_LE((face.center - Vec3(inner, 0.1 * inner, -0.5 * inner)).norm(), rounding);
       EXPECT_FALSE(room.to({0.5 * inner, 0.1 * inner, -0.5 * inner}).contact);
     }
   }
@@ -167,11 +167,11 @@ TEST(BallProxy, DoesNotPassThroughThinShellsOrBodiesInJumps) {
       shell.to({0.001, 0.002, 0.01});
       for (const double z : {0.5 * radius, -2e-5, -1e-3, -2e-2}) {
         const auto answer = shell.to({0.001, 0.002, z});
-        ASSERT_LE((answer.center - Vec3(0.001, 0.002, radius)).norm(), kRounding)
+        ASSERT_LE((answer.center - Vec3(0.001, 0.002, radius)).norm(), rounding)
             << "radius " << radius << " scale " << scale << " z " << z;
       }
       const auto far = shell.stroke({0.001, 0.002, -2e-2}, {0.02, -0.01, -2e-2}, 40);
-      ASSERT_LE((far.center - Vec3(0.02, -0.01, radius)).norm(), kRounding);
+      ASSERT_LE((far.center - Vec3(0.02, -0.01, radius)).norm(), rounding);
       ASSERT_FALSE(shell.to({0.02, -0.01, 1.01 * radius}).contact);
     }
   }
@@ -182,7 +182,7 @@ TEST(BallProxy, FollowsSmoothBodiesToWithinTheirTessellation) {
     const auto shape = synthetic::make_surface(name);
     const auto tessellation = shape->tessellate(20000);
     for (const double radius : {1e-4, 1e-3, 3e-3}) {
-      const auto renderer = god_object(tessellation.mesh, kStiffness, radius);
+      const auto renderer = god_object(tessellation.mesh, stiffness, radius);
       Hand hand(*renderer);
       Random random(12);
       SurfacePoint foot =
@@ -193,7 +193,7 @@ TEST(BallProxy, FollowsSmoothBodiesToWithinTheirTessellation) {
         const double depth = 3e-4 * std::min(1.0, i / 100.0);
         const Vec3 p = foot.p_W_m + (radius - depth) * foot.n_W;
         const StepResult result = hand.to(p);
-        const auto exact = synthetic::exact_contact(*shape, p, kStiffness, radius);
+        const auto exact = synthetic::exact_contact(*shape, p, stiffness, radius);
         ASSERT_NEAR(result.depth_m, exact.depth_m, tessellation.deviation_bound_m + 1e-12)
             << name << " radius " << radius << " step " << i;
         if (i % 200 == 199) along = random.direction();
@@ -208,8 +208,8 @@ TEST(BallProxy, ATinyBallIsThePointTip) {
   const auto shape = synthetic::make_surface("bumpy");
   const auto mesh = shape->tessellate(2000).mesh;
   for (const double radius : {1e-6, 1e-9}) {
-    const auto ball = god_object(mesh, kStiffness, radius);
-    const auto point = god_object(mesh, kStiffness);
+    const auto ball = god_object(mesh, stiffness, radius);
+    const auto point = god_object(mesh, stiffness);
     Hand ball_hand(*ball);
     Hand point_hand(*point);
     Random random(13);
@@ -237,7 +237,7 @@ TEST(BallProxy, StartingInsideItIsAtTheClosestPlaceOutside) {
         World world(cube, radius, scale);
         const auto answer = world.to({0.003, 0.004, height});
         ASSERT_TRUE(answer.contact);
-        ASSERT_LE((answer.center - Vec3(0.003, 0.004, 0.02 + radius)).norm(), kRounding) << radius << " " << height;
+        ASSERT_LE((answer.center - Vec3(0.003, 0.004, 0.02 + radius)).norm(), rounding) << radius << " " << height;
       }
     }
   }
@@ -249,7 +249,7 @@ TEST(BallProxy, DistanceToTheMeshNeverFallsBelowTheRadius) {
     const auto surface = make_embree_surface(mesh);
     const double size = surface->bounds().sizes().norm();
     for (const double radius : {2e-4, 2e-3}) {
-      const auto renderer = god_object(mesh, kStiffness, radius);
+      const auto renderer = god_object(mesh, stiffness, radius);
       Hand hand(*renderer);
       Random random(14);
       Vec3 p = surface->bounds().center() + Vec3(0, 0, size);

@@ -10,18 +10,18 @@
 namespace touchstone::renderers {
 namespace {
 
-constexpr std::size_t kMostAround = 2048;
+constexpr std::size_t most_around = 2048;
 // As many triangles as a hand comes to in some seconds on a mesh of a million: 1.7 MB.
-constexpr std::size_t kMostKept = 8192;
+constexpr std::size_t most_kept = 8192;
 // A ball turns about an edge sharper than that by asking the tree: its list would be long. Of the radius.
-constexpr double kMostSpread = 0.25;
+constexpr double most_spread = 0.25;
 // What coplanar neighbours and positions solved for are off by, rounding included. Of the radius.
-constexpr double kLeastSpread = 1e-9;
+constexpr double least_spread = 1e-9;
 // Of distances on the mesh. Less than what a ball takes as touching (32 roundings, ball_proxy.cc) by more than what the
 // place of a ball on a face is rounded by.
-constexpr double kRounded = 8.0 * std::numeric_limits<double>::epsilon();
+constexpr double rounded = 8.0 * std::numeric_limits<double>::epsilon();
 // For what is farther for sure, rounding aside.
-constexpr double kReach = 1.0 + 64.0 * std::numeric_limits<double>::epsilon();
+constexpr double reach_factor = 1.0 + 64.0 * std::numeric_limits<double>::epsilon();
 
 // A lower bound of the least distance of the triangle from the places whose corners are `x`: the greatest of those by
 // the tangents at the middle and the corners, or the first of them that is `enough`.
@@ -63,9 +63,9 @@ bool shares_corner(const Facet& a, const Facet& b) {
 BallVicinity::BallVicinity(const ContactMesh& mesh, double radius_m)
     : mesh_(&mesh),
       radius_m_(radius_m),
-      entries_(std::min(mesh.triangle_count(), kMostKept)),
+      entries_(std::min(mesh.triangle_count(), most_kept)),
       places_(mesh.triangle_count(), 0) {
-  proposed_.reserve(kMostAround);
+  proposed_.reserve(most_around);
 }
 
 void BallVicinity::list(std::int32_t triangle, Entry& entry) noexcept {
@@ -85,18 +85,18 @@ bool BallVicinity::propose(std::int32_t triangle, const std::array<Vec3, 3>& x, 
   proposed_.clear();
   // Those with a corner closer than `most` to a corner of P are listed whatever the bounds say: where they are too many
   // already, and on a fine mesh they are on most triangles, no bound need be known.
-  const double surely = most * most * (2.0 - kReach);
+  const double surely = most * most * (2.0 - reach_factor);
   std::size_t listed = 0;
   bool complete = true;
   mesh_->tree().within(middle, reach, [&](std::int32_t t) {
     if (!complete || t == triangle) return complete ? reach : 0.0;
     const Facet& other = mesh_->facet(t);
     if (is_zero(other.n)) return reach;
-    complete = proposed_.size() < kMostAround;
+    complete = proposed_.size() < most_around;
     if (complete) proposed_.push_back(t);
     const Vec3& corner_of_t = mesh_->vertex(other.corner[0]);
     const bool near = std::ranges::any_of(x, [&](const Vec3& at) { return squared_norm(at - corner_of_t) < surely; });
-    if (near) complete = complete && ++listed <= kMostListed;
+    if (near) complete = complete && ++listed <= most_listed;
     return complete ? reach : 0.0;
   });
   return complete;
@@ -111,8 +111,8 @@ double BallVicinity::list_within_reach(std::int32_t triangle, Entry& entry) noex
   for (const std::int32_t corner : facet.corner) {
     for (const std::int32_t t : mesh.fan(corner)) turn = std::max(turn, (mesh.facet(t).n - facet.n).norm());
   }
-  const double spread = std::max(kLeastSpread, turn > kMostSpread ? 0.0 : 1.01 * turn) * radius_m_;
-  const double least = radius_m_ - kRounded * mesh.magnitude();
+  const double spread = std::max(least_spread, turn > most_spread ? 0.0 : 1.01 * turn) * radius_m_;
+  const double least = radius_m_ - rounded * mesh.magnitude();
   const double most = radius_m_ + spread;
 
   const std::array<Vec3, 3> corner = mesh.corners(triangle);
@@ -121,8 +121,8 @@ double BallVicinity::list_within_reach(std::int32_t triangle, Entry& entry) noex
   const Vec3 middle = (x[0] + x[1] + x[2]) / 3.0;
   double extent = 0.0;
   for (const Vec3& place : x) extent = std::max(extent, (place - middle).norm());
-  if (!propose(triangle, x, middle, (most + extent) * kReach, most)) return -1.0;
-  std::array<std::int32_t, kMostListed> beside;
+  if (!propose(triangle, x, middle, (most + extent) * reach_factor, most)) return -1.0;
+  std::array<std::int32_t, most_listed> beside;
   std::size_t beside_count = 0;
   for (const std::int32_t t : proposed_) {
     const Facet& other = mesh.facet(t);
@@ -135,7 +135,7 @@ double BallVicinity::list_within_reach(std::int32_t triangle, Entry& entry) noex
     if (bound < least || !shares_corner(facet, other))
       bound = std::max(bound, distance_bound(mesh, t, x, middle, most));
     if (bound >= most) continue;
-    if (entry.on_face + beside_count == kMostListed) return -1.0;
+    if (entry.on_face + beside_count == most_listed) return -1.0;
     if (bound < least) {
       entry.listed[entry.on_face++] = t;
     } else {

@@ -55,13 +55,13 @@ class BallVicinity {
 
  private:
   // More than a smooth surface has; where there are more, the tree is asked for the ball's neighbourhood.
-  static constexpr std::size_t kMostListed = 48;
+  static constexpr std::size_t most_listed = 48;
   struct Entry {
     std::int32_t triangle = -1;
     float spread_m = -1.0F;
     std::uint16_t on_face = 0;
     std::uint16_t all = 0;
-    std::array<std::int32_t, kMostListed> listed{};
+    std::array<std::int32_t, most_listed> listed{};
   };
   void list(std::int32_t triangle, Entry& entry) noexcept;
   // The spread for which what is listed is complete, < 0 where it is not.

@@ -16,11 +16,11 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double stiffness = 500.0;
+constexpr double eps = std::numeric_limits<double>::epsilon();
 
 std::unique_ptr<rendering::Renderer> shading(const TriangleMesh& mesh, std::map<std::string, double> parameters = {}) {
-  parameters.try_emplace("stiffness_N_per_m", kStiffness);
+  parameters.try_emplace("stiffness_N_per_m", stiffness);
   return make_renderer(model_of("force-shading", parameters), make_embree_surface(mesh));
 }
 
@@ -44,7 +44,7 @@ TEST(ForceShading, KeepsTheSizeOfTheForceAndTheContactPoint) {
     const auto at = make_embree_surface(mesh);
     for (const double radius : {0.0, 0.001}) {
       const auto shaded = shading(mesh, {{"tip_radius_m", radius}});
-      const auto plain = god_object(mesh, kStiffness, radius);
+      const auto plain = god_object(mesh, stiffness, radius);
       Hand one(*shaded);
       Hand other(*plain);
       Random random(21);
@@ -60,8 +60,8 @@ TEST(ForceShading, KeepsTheSizeOfTheForceAndTheContactPoint) {
         ASSERT_EQ(obtained.contact, expected.contact);
         ASSERT_EQ(obtained.contact_W_m, expected.contact_W_m);
         ASSERT_EQ(obtained.depth_m, expected.depth_m);
-        ASSERT_NEAR(obtained.f_W_N.norm(), expected.f_W_N.norm(), 64 * kEps * expected.f_W_N.norm());
-        ASSERT_LE((obtained.f_W_N - obtained.f_W_N.norm() * obtained.n_W).norm(), kStiffness * 1e3 * kEps * 0.1)
+        ASSERT_NEAR(obtained.f_W_N.norm(), expected.f_W_N.norm(), 64 * eps * expected.f_W_N.norm());
+        ASSERT_LE((obtained.f_W_N - obtained.f_W_N.norm() * obtained.n_W).norm(), stiffness * 1e3 * eps * 0.1)
             << name << " radius " << radius << " step " << i;
         turned += angle(obtained.f_W_N, expected.f_W_N) > 1e-6 ? 1U : 0U;
       }
@@ -79,8 +79,8 @@ TEST(ForceShading, IsOfSecondOrderOnASphere) {
     std::vector<double> shaded_error, plain_error;
     for (const int levels : {3, 4, 5}) {
       const TriangleMesh mesh = surface::moved(testing::ball(0.03, levels), awkward_rotation(), Vec3::Zero(), scale);
-      const auto shaded = shading(mesh, {{"stiffness_N_per_m", kStiffness / scale}});
-      const auto plain = god_object(mesh, kStiffness / scale);
+      const auto shaded = shading(mesh, {{"stiffness_N_per_m", stiffness / scale}});
+      const auto plain = god_object(mesh, stiffness / scale);
       const auto at = make_embree_surface(mesh);
       Random random(22);
       double sum_shaded = 0.0;
@@ -110,7 +110,7 @@ TEST(ForceShading, IsOfSecondOrderOnASphere) {
 
 TEST(ForceShading, LeavesEdgesBeyondTheCreaseAngleSharp) {
   const TriangleMesh mesh = testing::cube(0.02);  // 90 degrees
-  const auto plain = god_object(mesh, kStiffness);
+  const auto plain = god_object(mesh, stiffness);
   const auto sharp = shading(mesh);
   const auto round = shading(mesh, {{"crease_angle_rad", 1.6}});
   Hand one(*plain);
@@ -119,7 +119,7 @@ TEST(ForceShading, LeavesEdgesBeyondTheCreaseAngleSharp) {
   for (int i = 0; i < 400; ++i) {
     const Vec3 p(-0.019 + 9e-5 * i, 0.003, 0.0195);
     const Vec3 expected = one.to(p).f_W_N;
-    ASSERT_LE((two.to(p).f_W_N - expected).norm(), 64 * kEps * kStiffness * 0.02) << i;
+    ASSERT_LE((two.to(p).f_W_N - expected).norm(), 64 * eps * stiffness * 0.02) << i;
     const Vec3 other = three.to(p).f_W_N;
     if (i == 1) {
       EXPECT_GT(angle(other, expected), 0.3) << "rounded, the edge tilts the force beside it";
@@ -142,7 +142,7 @@ TEST(ForceShading, TurnsWithoutJumpsAcrossSmoothEdges) {
       }
       return most;
     };
-    const double plain = jumps(*god_object(mesh, kStiffness, radius));
+    const double plain = jumps(*god_object(mesh, stiffness, radius));
     const double shaded = jumps(*shading(mesh, {{"tip_radius_m", radius}}));
     EXPECT_LT(shaded, 0.2 * plain + 1e-3) << "radius " << radius;
     if (radius == 0.0) {
@@ -156,9 +156,9 @@ TEST(ForceShading, GivesLittleEnergyBackInManyRoundsAndNoneWithFriction) {
   for (const std::string name : {"sphere", "bumpy", "duck"}) {
     const auto body = synthetic::make_surface(name);
     const TriangleMesh mesh = body->tessellate(3000).mesh;
-    constexpr double kDepth = 8e-4;
+    constexpr double press_depth = 8e-4;
     for (const double radius : {0.0, 0.001}) {
-      const auto tips = rounds(*body, kDepth, radius, 10, 2000);
+      const auto tips = rounds(*body, press_depth, radius, 10, 2000);
       const auto given = [&](const std::map<std::string, double>& mu) {
         auto parameters = mu;
         parameters["tip_radius_m"] = radius;

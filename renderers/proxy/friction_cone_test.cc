@@ -17,8 +17,8 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double wall_stiffness = 500.0;
+constexpr double eps = std::numeric_limits<double>::epsilon();
 
 struct Coefficients {
   double mu_static, mu_dynamic;
@@ -116,7 +116,7 @@ TEST(FrictionCone, BreaksAwayAtTheStaticCoefficientAndSlidesAtTheDynamic) {
         Random random(7);
         int tried = 0;
         for (const Coefficients mu : {Coefficients{0.05, 0.02}, {0.4, 0.3}, {1.2, 0.0}, {2.0, 2.0}}) {
-          const auto renderer = cone(world, kStiffness / scale, mu, radius * scale);
+          const auto renderer = cone(world, wall_stiffness / scale, mu, radius * scale);
           Hand hand(*renderer);
           StepResult held = hand.to(turn * (scale * tips[0]) + shift);
           for (std::size_t i = 1; i < tips.size(); ++i) {
@@ -130,7 +130,7 @@ TEST(FrictionCone, BreaksAwayAtTheStaticCoefficientAndSlidesAtTheDynamic) {
               return Vec3(held.contact_W_m - h * n + of_break_away * mu.mu_static * h * t);
             };
             // Straight below the contact point it comes to rest, and is held from then on.
-            const double rounding = 64 * kEps * 0.1 * scale;
+            const double rounding = 64 * eps * 0.1 * scale;
             const StepResult rest = hand.to(at(0.0));
             ASSERT_LE((rest.contact_W_m - held.contact_W_m).norm(), rounding) << name << " x " << scale;
             const StepResult below = hand.to(at(0.0));
@@ -145,7 +145,8 @@ TEST(FrictionCone, BreaksAwayAtTheStaticCoefficientAndSlidesAtTheDynamic) {
             const StepResult gone = hand.to(at(1.0 + 1e-8));
             const Split after = split(gone);
             ASSERT_NE(gone.contact_W_m, rest.contact_W_m) << name << " x " << scale << " step " << i;
-            ASSERT_LE(after.tangential_N, mu.mu_dynamic * after.normal_N * (1.0 + 1e-9) + kStiffness * 1e3 * kEps * 0.1)
+            ASSERT_LE(after.tangential_N,
+                      mu.mu_dynamic * after.normal_N * (1.0 + 1e-9) + wall_stiffness * 1e3 * eps * 0.1)
                 << name << " x " << scale << " step " << i;
           }
         }
@@ -161,9 +162,9 @@ TEST(FrictionCone, TheForceStaysInTheConeAndTheSpringOnlyRelaxes) {
       const auto surface = make_embree_surface(mesh);
       const auto tips = strokes(*surface, radius, 12, 1500);
       for (const Coefficients mu : {Coefficients{0.1, 0.1}, {0.5, 0.3}, {0.8, 0.2}}) {
-        const auto renderer = cone(mesh, kStiffness, mu, radius);
+        const auto renderer = cone(mesh, wall_stiffness, mu, radius);
         Hand hand(*renderer);
-        const double rounding_m = 1e3 * kEps * 0.1;
+        const double rounding_m = 1e3 * eps * 0.1;
         StepResult last;
         int slid = 0;
         int held = 0;
@@ -175,7 +176,7 @@ TEST(FrictionCone, TheForceStaysInTheConeAndTheSpringOnlyRelaxes) {
             (same ? held : slid) += 1;
             const double pressed_N = force.normal_N * most_pressed(mesh, radius, now);
             const double limit = (same ? mu.mu_static : mu.mu_dynamic) * pressed_N;
-            ASSERT_LE(force.tangential_N, limit * (1.0 + 1e-9) + kStiffness * rounding_m)
+            ASSERT_LE(force.tangential_N, limit * (1.0 + 1e-9) + wall_stiffness * rounding_m)
                 << name << " radius " << radius << " mu " << mu.mu_static << " step " << i;
             // What the hand stored in the spring is at most kept.
             ASSERT_LE((now.contact_W_m - tips[i]).norm(),
@@ -195,8 +196,8 @@ TEST(FrictionCone, WithoutFrictionIsTheGodObjectToTheBit) {
   for (const double radius : {0.0, 0.001}) {
     for (const auto& [name, mesh] : shapes()) {
       const auto surface = make_embree_surface(mesh);
-      const auto plain = god_object(mesh, kStiffness, radius);
-      const auto zero = cone(mesh, kStiffness, {0.0, 0.0}, radius);
+      const auto plain = god_object(mesh, wall_stiffness, radius);
+      const auto zero = cone(mesh, wall_stiffness, {0.0, 0.0}, radius);
       Hand one(*plain);
       Hand other(*zero);
       for (const Vec3& p : strokes(*surface, radius, 13, 1000)) {
@@ -239,7 +240,7 @@ TEST(FrictionCone, AlongAGrooveBothWallsRub) {
       const auto world = make_embree_surface(surface::moved(mesh, turn, Vec3::Zero(), scale));
       for (const double radius : {0.0, 0.002}) {
         const Coefficients mu{0.4, 0.3};
-        const auto renderer = cone(world, kStiffness / scale, mu, radius * scale);
+        const auto renderer = cone(world, wall_stiffness / scale, mu, radius * scale);
         Hand hand(*renderer);
         const double depth = 1e-3;
         // Where the ball's centre rests: its distance from both walls is the radius.
@@ -259,10 +260,10 @@ TEST(FrictionCone, AlongAGrooveBothWallsRub) {
         EXPECT_LE((held.contact_W_m - rest.contact_W_m).norm(), 1e-9 * depth * scale) << groove.left << " x " << scale;
         for (const double y : {mu.mu_static * limit_m * (1.0 + 1e-6), 0.002, 0.005, 0.011}) {
           const Vec3 force = turn.conjugate() * hand.to(at(y, depth)).f_W_N;
-          EXPECT_NEAR(force.y(), -mu.mu_dynamic * of_resultant * kStiffness * depth, 1e-9 * kStiffness * depth)
+          EXPECT_NEAR(force.y(), -mu.mu_dynamic * of_resultant * wall_stiffness * depth, 1e-9 * wall_stiffness * depth)
               << groove.left << " and " << groove.right << " leaning " << groove.lean << " radius " << radius << " x "
               << scale << " y " << y;
-          EXPECT_NEAR(std::hypot(force.x(), force.z()), kStiffness * depth, 1e-9 * kStiffness * depth);
+          EXPECT_NEAR(std::hypot(force.x(), force.z()), wall_stiffness * depth, 1e-9 * wall_stiffness * depth);
         }
       }
     }
@@ -273,7 +274,7 @@ TEST(FrictionCone, DissipatesForceTimesWayOnAPlane) {
   for (const double scale : unit_scales()) {
     const TriangleMesh mesh =
         surface::moved(synthetic::make_mesh("plane", {}, 200).mesh, Quat::Identity(), Vec3::Zero(), scale);
-    const auto renderer = cone(mesh, kStiffness / scale, {0.5, 0.3});
+    const auto renderer = cone(mesh, wall_stiffness / scale, {0.5, 0.3});
     Hand hand(*renderer);
     const double h = 1e-3 * scale;
     const double x = 0.5 * h;  // break-away
@@ -284,11 +285,11 @@ TEST(FrictionCone, DissipatesForceTimesWayOnAPlane) {
     for (int i = 1; i <= 1000; ++i) {
       const Vec3 p(x + 1e-5 * scale * i, 0, -h);
       const StepResult now = hand.to(p);
-      ASSERT_NEAR(now.f_W_N.x(), -0.3 * kStiffness / scale * h, 1e-10);
+      ASSERT_NEAR(now.f_W_N.x(), -0.3 * wall_stiffness / scale * h, 1e-10);
       given_J += now.f_W_N.x() * (p.x() - last_x);
       last_x = p.x();
     }
-    EXPECT_NEAR(given_J, -0.3 * kStiffness / scale * h * last_x, 1e-9 * std::abs(given_J));
+    EXPECT_NEAR(given_J, -0.3 * wall_stiffness / scale * h * last_x, 1e-9 * std::abs(given_J));
   }
 }
 
@@ -297,7 +298,7 @@ TEST(FrictionCone, IsTheEffectCoulombFrictionOnAPlaneAtConstantDepth) {
   const TriangleMesh mesh = synthetic::make_mesh("plane", {}, 200).mesh;
   const double h = 8e-4;
   const auto effect = [&](Coefficients mu) {
-    rendering::Model model = model_of("god-object", {{"stiffness_N_per_m", kStiffness}});
+    rendering::Model model = model_of("god-object", {{"stiffness_N_per_m", wall_stiffness}});
     model.effects.push_back(
         {"coulomb-friction",
          {{"mu_static", mu.mu_static}, {"mu_dynamic", mu.mu_dynamic}, {"presliding_m", mu.mu_static * h}},
@@ -305,14 +306,15 @@ TEST(FrictionCone, IsTheEffectCoulombFrictionOnAPlaneAtConstantDepth) {
     return make_renderer(model, make_embree_surface(mesh));
   };
   const auto compare = [&](Coefficients mu, const std::vector<Vec3>& tips) {
-    const auto inside = cone(mesh, kStiffness, mu);
+    const auto inside = cone(mesh, wall_stiffness, mu);
     const auto beside = effect(mu);
     Hand one(*inside);
     Hand other(*beside);
     for (std::size_t i = 0; i < tips.size(); ++i) {
       const Vec3 obtained = one.to(tips[i]).f_W_N;
       const Vec3 expected = other.to(tips[i]).f_W_N;
-      ASSERT_LE((obtained - expected).norm(), kStiffness * 1e4 * kEps * 0.05) << "step " << i << ", " << mu.mu_static;
+      ASSERT_LE((obtained - expected).norm(), wall_stiffness * 1e4 * eps * 0.05)
+          << "step " << i << ", " << mu.mu_static;
     }
   };
   // Any path where both coefficients are the same.
@@ -428,12 +430,12 @@ TEST(FrictionCone, InACreaseItIsThatOfTwoPlanes) {
       crease.vertices_W_m = {{-0.02, -0.02, 0}, {-0.02, 0.02, 0},     {0, -0.02, 0},
                              {0, 0.02, 0},      {far, -0.02, height}, {far, 0.02, height}};
       crease.triangles = {{0, 2, 1}, {2, 3, 1}, {2, 4, 3}, {4, 5, 3}};
-      const auto renderer = cone(crease, kStiffness, mu, radius_m);
+      const auto renderer = cone(crease, wall_stiffness, mu, radius_m);
       Hand hand(*renderer);
       WedgeTwin twin({far, 0, height}, radius_m, mu);
       const auto expect = [&](const Vec3& p, const StepResult& step, const WedgeTwin::LongVec& center) {
-        const Vec3 force = (kStiffness * (center - p.cast<long double>())).cast<double>();
-        const double across_N = twin.in_the_crease() ? kStiffness * 32.0 * kEps * 0.02 / bend : 0.0;
+        const Vec3 force = (wall_stiffness * (center - p.cast<long double>())).cast<double>();
+        const double across_N = twin.in_the_crease() ? wall_stiffness * 32.0 * eps * 0.02 / bend : 0.0;
         ASSERT_LE((step.f_W_N - force).norm(), 2e-9 * force.norm() + across_N)
             << "bend " << bend << " radius " << radius_m << " tip " << p.transpose();
       };
@@ -445,10 +447,10 @@ TEST(FrictionCone, InACreaseItIsThatOfTwoPlanes) {
       for (const Vec3& end :
            {Vec3(0.003, 0.001, -depth), Vec3(-0.003, 0.001, -depth), Vec3(0.0, 0.003, -depth),
             Vec3(0.0, -0.003, -depth), Vec3(1e-9, 0.003, -depth), Vec3(0.002, -0.002, -2.0 * depth)}) {
-        static constexpr int kSteps = 120;
+        static constexpr int step_count = 120;
         const Vec3 from = at;
-        for (int i = 1; i <= kSteps; ++i) {
-          const Vec3 p = from + (end - from) * i / kSteps;
+        for (int i = 1; i <= step_count; ++i) {
+          const Vec3 p = from + (end - from) * i / step_count;
           expect(p, hand.to(p), twin.follow(p));
           if (HasFatalFailure()) return;
         }

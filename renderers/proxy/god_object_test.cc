@@ -18,8 +18,8 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double stiffness = 500.0;
+constexpr double eps = std::numeric_limits<double>::epsilon();
 
 // A shape of synthetic/ put into an awkward pose at a scale, with the way back and forth.
 struct World {
@@ -39,7 +39,7 @@ struct World {
   // A length in the shape's own frame and unit.
   [[nodiscard]] Vec3 back(const Vec3& v) const { return turn.conjugate() * v / scale; }
   // Rounding of a position in the shape's own unit, some operations deep.
-  static double rounding() { return 64.0 * kEps * 0.1; }
+  static double rounding() { return 64.0 * eps * 0.1; }
 };
 
 // Two sheets side by side, the right one higher by `step_m`. A tip that slides below the edge of the higher one is
@@ -58,7 +58,7 @@ TEST(GodObject, AWatchSaysWhereATipFallsThroughASeam) {
     }
     const auto surface = make_embree_surface(mesh);
     const auto search = std::make_shared<rendering::SeamSearch>(surface);
-    rendering::SeamWatch watched(god_object(mesh, kStiffness), search);
+    rendering::SeamWatch watched(god_object(mesh, stiffness), search);
     Hand hand(watched);
     hand.to({-0.01, 0.003, 0.001});
     for (double x = -0.01; x < to_x; x += 3e-5) hand.to({x, 0.003, -7e-4});
@@ -80,7 +80,7 @@ TEST(GodObject, AWatchSaysWhereATipFallsThroughASeam) {
 TEST(GodObject, PressesAPlaneWithItsStiffnessAlongTheNormalOnly) {
   for (const double scale : unit_scales()) {
     const World world("plane", {}, 200, scale);
-    const auto renderer = god_object(world.mesh, kStiffness / scale);
+    const auto renderer = god_object(world.mesh, stiffness / scale);
     Hand hand(*renderer);
     EXPECT_FALSE(hand.to(world.at({0.001, 0.002, 0.004})).contact);
     Random random(1);
@@ -88,12 +88,12 @@ TEST(GodObject, PressesAPlaneWithItsStiffnessAlongTheNormalOnly) {
       const Vec3 p(random.uniform(-0.04, 0.04), random.uniform(-0.04, 0.04), random.uniform(-0.01, -1e-9));
       const StepResult result = hand.to(world.at(p));
       ASSERT_TRUE(result.contact);
-      EXPECT_LE((world.turn.conjugate() * result.f_W_N - Vec3(0, 0, -kStiffness * p.z())).norm(),
-                kStiffness * World::rounding())
+      EXPECT_LE((world.turn.conjugate() * result.f_W_N - Vec3(0, 0, -stiffness * p.z())).norm(),
+                stiffness * World::rounding())
           << "scale " << scale << " step " << i;
       EXPECT_LE((world.back(result.contact_W_m - world.shift) - Vec3(p.x(), p.y(), 0)).norm(), World::rounding());
       EXPECT_NEAR(result.depth_m / scale, -p.z(), World::rounding());
-      EXPECT_LE((result.n_W - world.direction(Vec3::UnitZ())).norm(), 8 * kEps);
+      EXPECT_LE((result.n_W - world.direction(Vec3::UnitZ())).norm(), 8 * eps);
     }
   }
 }
@@ -101,7 +101,7 @@ TEST(GodObject, PressesAPlaneWithItsStiffnessAlongTheNormalOnly) {
 TEST(GodObject, NeverPullsAndStartsAndEndsWithNoForce) {
   for (const double scale : unit_scales()) {
     const World world("bumpy", {}, 2000, scale);
-    const auto renderer = god_object(world.mesh, kStiffness / scale);
+    const auto renderer = god_object(world.mesh, stiffness / scale);
     Hand hand(*renderer);
     Random random(2);
     for (int tap = 0; tap < 20; ++tap) {
@@ -116,7 +116,7 @@ TEST(GodObject, NeverPullsAndStartsAndEndsWithNoForce) {
         if (now.contact != before.contact) {
           // The first and last force is that of the part of one step that lies inside.
           EXPECT_LE((now.contact ? f : Vec3(world.turn.conjugate() * before.f_W_N)).norm(),
-                    kStiffness * 6e-5 * (1 + 1e-9));
+                    stiffness * 6e-5 * (1 + 1e-9));
         }
         EXPECT_TRUE(now.contact || now.f_W_N == Vec3::Zero());
         before = now;
@@ -127,7 +127,7 @@ TEST(GodObject, NeverPullsAndStartsAndEndsWithNoForce) {
 
 TEST(GodObject, HeldStillTheForceStaysToTheBit) {
   const World world("bumpy", {}, 2000, 1.0);
-  const auto renderer = god_object(world.mesh, kStiffness);
+  const auto renderer = god_object(world.mesh, stiffness);
   Random random(3);
   for (int hold = 0; hold < 50; ++hold) {
     Hand hand(*renderer);
@@ -146,7 +146,7 @@ TEST(GodObject, StaysOutsideAThinShellHoweverDeepItIsPushed) {
   for (const double thickness : {2e-3, 5e-4, 5e-5}) {
     for (const double scale : unit_scales()) {
       const World world("thin-shell", {{"thickness_m", thickness}}, 200, scale);
-      const auto renderer = god_object(world.mesh, kStiffness / scale);
+      const auto renderer = god_object(world.mesh, stiffness / scale);
       Hand hand(*renderer);
       hand.to(world.at({0, 0, 0.001}));
       // Through the shell to 20 mm below its far side in steps of all sizes, then along below it, then back.
@@ -154,13 +154,13 @@ TEST(GodObject, StaysOutsideAThinShellHoweverDeepItIsPushed) {
       for (const double step : {1e-5, 1e-4, 3e-3, 0.017}) {
         p.z() -= step;
         const StepResult result = hand.to(world.at(p));
-        EXPECT_LE((world.turn.conjugate() * result.f_W_N - Vec3(0, 0, kStiffness * std::max(0.0, -p.z()))).norm(),
-                  kStiffness * World::rounding());
+        EXPECT_LE((world.turn.conjugate() * result.f_W_N - Vec3(0, 0, stiffness * std::max(0.0, -p.z()))).norm(),
+                  stiffness * World::rounding());
       }
       const double depth = -p.z();
       const StepResult far = hand.stroke(world.at(p), world.at({0.03, 0.02, -depth}), 50);
-      EXPECT_LE((world.turn.conjugate() * far.f_W_N - Vec3(0, 0, kStiffness * depth)).norm(),
-                kStiffness * World::rounding());
+      EXPECT_LE((world.turn.conjugate() * far.f_W_N - Vec3(0, 0, stiffness * depth)).norm(),
+                stiffness * World::rounding());
       EXPECT_FALSE(hand.to(world.at({0.03, 0.02, 1e-6})).contact);
     }
   }
@@ -169,15 +169,15 @@ TEST(GodObject, StaysOutsideAThinShellHoweverDeepItIsPushed) {
 TEST(GodObject, StaysOnTheNearSideOfABodyThatTheTipJumpsThrough) {
   for (const double scale : unit_scales()) {
     const World world(testing::cube(0.02), scale);
-    const auto renderer = god_object(world.mesh, kStiffness / scale);
+    const auto renderer = god_object(world.mesh, stiffness / scale);
     Hand hand(*renderer);
     hand.to(world.at({0.003, 0.004, 0.05}));
     // Out at the other side in one step: the god-object stays on top and is dragged over the rim only by what follows.
     const StepResult through = hand.to(world.at({0.003, 0.004, -0.05}));
     ASSERT_TRUE(through.contact);
     EXPECT_LE((world.back(through.contact_W_m - world.shift) - Vec3(0.003, 0.004, 0.02)).norm(), World::rounding());
-    EXPECT_LE((world.turn.conjugate() * through.f_W_N - Vec3(0, 0, kStiffness * 0.07)).norm(),
-              kStiffness * World::rounding());
+    EXPECT_LE((world.turn.conjugate() * through.f_W_N - Vec3(0, 0, stiffness * 0.07)).norm(),
+              stiffness * World::rounding());
     // Pulled far to the side it slides to the edge, over it, down the side and away below, to where the tip is free.
     const StepResult around = hand.to(world.at({0.04, 0.004, -0.05}));
     EXPECT_FALSE(around.contact);
@@ -191,7 +191,7 @@ TEST(GodObject, CreasesDownToAMicroradianAreExactAndNotSticky) {
   for (const double bend : {-1.0, -1e-1, -1e-3, -1e-6, -1e-9, 1e-9, 1e-6, 1e-3, 1e-1, 1.0}) {
     for (const double scale : {1e-3, 1.0, 1e3}) {
       const World world("crease", {{"bend_rad", bend}}, 400, scale);
-      const auto renderer = god_object(world.mesh, kStiffness / scale);
+      const auto renderer = god_object(world.mesh, stiffness / scale);
       Hand hand(*renderer);
       const double a = 0.5 * bend;
       const Vec3 right(std::sin(a), 0, std::cos(a));  // normal for x > 0
@@ -230,25 +230,25 @@ TEST(GodObject, RestsInAGrooveAndInACorner) {
     // A groove with its bottom along y at z = -depth: any tip below both walls within the normal cone rests on that
     // line.
     const World groove("v-groove", {{"opening_rad", 1.2}, {"depth_m", 0.005}}, 100, scale);
-    const auto in_groove = god_object(groove.mesh, kStiffness / scale);
+    const auto in_groove = god_object(groove.mesh, stiffness / scale);
     Hand hand(*in_groove);
     hand.to(groove.at({0.0002, 0.003, 0.002}));
     const StepResult bottom = hand.to(groove.at({0.0004, 0.0041, -0.008}));
     EXPECT_LE((groove.back(bottom.contact_W_m - groove.shift) - Vec3(0, 0.0041, -0.005)).norm(), World::rounding());
-    EXPECT_LE((groove.turn.conjugate() * bottom.f_W_N - kStiffness * Vec3(-0.0004, 0, 0.003)).norm(),
-              kStiffness * World::rounding());
+    EXPECT_LE((groove.turn.conjugate() * bottom.f_W_N - stiffness * Vec3(-0.0004, 0, 0.003)).norm(),
+              stiffness * World::rounding());
 
     // The inside of a box: three planes hold the tip in its corner.
     TriangleMesh box = testing::cube(0.02);
     for (auto& triangle : box.triangles) std::swap(triangle[1], triangle[2]);
     const World room(box, scale);
-    const auto in_room = god_object(room.mesh, kStiffness / scale);
+    const auto in_room = god_object(room.mesh, stiffness / scale);
     Hand other(*in_room);
     other.to(room.at({0.001, 0.002, 0.003}));
     const StepResult corner = other.to(room.at({0.03, 0.025, -0.022}));
     EXPECT_LE((room.back(corner.contact_W_m - room.shift) - Vec3(0.02, 0.02, -0.02)).norm(), World::rounding());
-    EXPECT_LE((room.turn.conjugate() * corner.f_W_N - kStiffness * Vec3(-0.01, -0.005, 0.002)).norm(),
-              kStiffness * World::rounding());
+    EXPECT_LE((room.turn.conjugate() * corner.f_W_N - stiffness * Vec3(-0.01, -0.005, 0.002)).norm(),
+              stiffness * World::rounding());
     const StepResult edge = other.to(room.at({0.03, 0.025, -0.011}));
     EXPECT_LE((room.back(edge.contact_W_m - room.shift) - Vec3(0.02, 0.02, -0.011)).norm(), World::rounding());
     EXPECT_FALSE(other.to(room.at({0.019, 0.019, -0.019})).contact);
@@ -279,7 +279,7 @@ TEST(GodObject, StartingInsideItIsAtTheClosestSurfacePoint) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     const World world(shape->tessellate(3000).mesh, scale);
     const auto surface = make_embree_surface(world.mesh);
-    const auto renderer = god_object(world.mesh, kStiffness / scale);
+    const auto renderer = god_object(world.mesh, stiffness / scale);
     Random random(5);
     for (int i = 0; i < 100; ++i) {
       const Vec3 p = world.at(random.uniform(0.0, 0.03) * random.direction());
@@ -296,7 +296,7 @@ TEST(GodObject, StartingInsideItIsAtTheClosestSurfacePoint) {
 
 TEST(GodObject, AnOpenSheetStopsTheTipFromItsFrontAndLetsGoAtItsRim) {
   const World world(testing::grid(0.05, 10), 1.0);
-  const auto renderer = god_object(world.mesh, kStiffness);
+  const auto renderer = god_object(world.mesh, stiffness);
   Hand hand(*renderer);
   // Starting below the sheet: in contact where the closest point is not on the rim, free where it is.
   EXPECT_TRUE(Hand(*renderer).to(world.at({0.013, 0.01, -0.002})).contact);
@@ -315,7 +315,7 @@ TEST(GodObject, EdgesAndVerticesHitExactlyStopTheTip) {
   const TriangleMesh grid = testing::grid(0.064, 16);  // vertices at multiples of 8 mm, exact in binary
   for (const double scale : {0.25, 1.0, 1024.0}) {
     const TriangleMesh mesh = surface::moved(grid, Quat::Identity(), Vec3::Zero(), scale);
-    const auto renderer = god_object(mesh, kStiffness);
+    const auto renderer = god_object(mesh, stiffness);
     for (const Vec3& foot :
          {Vec3(0, 0, 0), Vec3(0.008, 0.016, 0), Vec3(0.004, 0.008, 0), Vec3(0.004, 0.004, 0), Vec3(0.008, 0.003, 0)}) {
       for (const Vec3& from : {Vec3(0, 0, 0.004), Vec3(0.002, 0.001, 0.004), Vec3(-0.016, 0, 0.004)}) {
@@ -334,7 +334,7 @@ TEST(GodObject, EdgesAndVerticesHitExactlyStopTheTip) {
 TEST(GodObject, SliversAndTinyTrianglesRenderAPlane) {
   for (const double scale : unit_scales()) {
     const World world("slivers", {}, 400, scale);
-    const auto renderer = god_object(world.mesh, kStiffness / scale);
+    const auto renderer = god_object(world.mesh, stiffness / scale);
     Hand hand(*renderer);
     Random random(6);
     hand.to(world.at({0.01, 0.01, 0.001}));
@@ -345,8 +345,8 @@ TEST(GodObject, SliversAndTinyTrianglesRenderAPlane) {
       ASSERT_TRUE(result.contact) << i;
       // A sliver's normal is known to eps times length over width (1e6 here), times how far the tip is from its
       // corners.
-      ASSERT_LE((world.turn.conjugate() * result.f_W_N - Vec3(0, 0, -kStiffness * p.z())).norm(),
-                kStiffness * 1e-2 * 1e6 * 64 * kEps)
+      ASSERT_LE((world.turn.conjugate() * result.f_W_N - Vec3(0, 0, -stiffness * p.z())).norm(),
+                stiffness * 1e-2 * 1e6 * 64 * eps)
           << i;
     }
   }
@@ -357,7 +357,7 @@ TEST(GodObject, FollowsTheSmoothBodyToWithinItsTessellation) {
     const auto shape = synthetic::make_surface(name);
     for (const std::size_t triangles : {2000, 20000}) {
       const auto tessellation = shape->tessellate(triangles);
-      const auto renderer = god_object(tessellation.mesh, kStiffness);
+      const auto renderer = god_object(tessellation.mesh, stiffness);
       Hand hand(*renderer);
       Random random(7);
       const Box3 box = shape->bounds();
@@ -369,7 +369,7 @@ TEST(GodObject, FollowsTheSmoothBodyToWithinItsTessellation) {
       for (int i = 0; i < 800; ++i) {
         const Vec3 p = foot.p_W_m - 5e-4 * std::min(1.0, i / 100.0) * foot.n_W;
         if (i % 200 == 0) along = random.direction();
-        const auto exact = synthetic::exact_contact(*shape, p, kStiffness, 0.0);
+        const auto exact = synthetic::exact_contact(*shape, p, stiffness, 0.0);
         const StepResult result = hand.to(p);
         // The depth differs by the deviation; the foot by what the facets' normals are off, which shows in the force.
         ASSERT_NEAR(result.depth_m, exact.depth_m, tessellation.deviation_bound_m + 1e-12) << name << " step " << i;

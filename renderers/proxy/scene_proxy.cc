@@ -13,9 +13,9 @@ namespace touchstone::renderers {
 namespace {
 
 // Bodies that push at the same time: after as many rounds the god-object stays where it is.
-constexpr int kPushes = 16;
+constexpr int pushes = 16;
 // Walking needs that nothing else is within reach, rounding aside.
-constexpr double kReach = 1.0 + 1e-9;
+constexpr double reach_factor = 1.0 + 1e-9;
 
 }  // namespace
 
@@ -62,7 +62,7 @@ bool SceneProxy::fly(const Vec3& p, Carried& way) noexcept {
   way = carried(static_cast<std::size_t>(first));
   const auto own = static_cast<std::size_t>(first);
   const PosedBody& on = bodies_->bodies()[own];
-  if (others_near(own, p, kReach * reach(own, way, p))) return false;
+  if (others_near(own, p, reach_factor * reach(own, way, p))) return false;
   // Nothing but this body: it lands as on a body at rest.
   on_body_ = first;
   walk().start_free(on.to_B(way.free_now));
@@ -89,7 +89,7 @@ bool SceneProxy::walk_on(const Vec3& p, Carried& way) noexcept {
   const Vec3 g = on.to_W(walk().position());
   way = {g, on.before_to_W(walk().position()), g};
   bool flew = false;
-  if (!others_near(own, p, kReach * reach(own, way, p))) {
+  if (!others_near(own, p, reach_factor * reach(own, way, p))) {
     if (walk().follow(on.to_B(p))) {
       if (!walk().touching()) {
         planes_.start_free(p);
@@ -169,7 +169,7 @@ void SceneProxy::push_out(const Carried& way) noexcept {
   std::size_t count = 0;
   Vec3 x = way.free_now;
   bool has_space = false;
-  for (int round = 0; round < kPushes; ++round) {
+  for (int round = 0; round < pushes; ++round) {
     std::int32_t met = -1;
     for (const PosedBody& body : bodies_->bodies()) {
       const FrontCrossing hit = first_front_crossing(body.mesh(), body.before_to_B(way.free_before), body.to_B(x),
@@ -217,7 +217,7 @@ void SceneProxy::go_by_planes(const Vec3& p) noexcept {
   const PosedBody& on = bodies_->bodies()[own];
   const std::int32_t local = single - on.first_triangle();
   if (!on.mesh().facet(local).regular) return;
-  if (others_near(own, p, kReach * (p - planes_.position()).norm())) return;
+  if (others_near(own, p, reach_factor * (p - planes_.position()).norm())) return;
   // Alone on a body that can be walked on.
   on_body_ = static_cast<int>(own);
   walk().resume(on.to_B(planes_.position()), local, cone_.sliding());

@@ -44,7 +44,7 @@ struct SpringPush {
 // surface's normal where the surface is smooth; at an edge or a vertex it is from the tip to the foot where the tip is
 // inside, and from the foot to the tip where only the ball reaches in. The surface contact point is the foot; for a
 // ball, where its centre would be free.
-template <int kPower, class S>
+template <int power, class S>
 SpringPush<S> push_out(const Foot<S>& foot, const Vec3Of<S>& tip_W_m, const S& k, const S& radius_m) noexcept {
   using std::sqrt;
   SpringPush<S> push;
@@ -60,7 +60,7 @@ SpringPush<S> push_out(const Foot<S>& foot, const Vec3Of<S>& tip_W_m, const S& k
     if (square > S(0.0)) push.n_W = way / sqrt(square);
   }
   S force_N = k * push.depth_m;
-  if constexpr (kPower == 2) force_N *= push.depth_m;
+  if constexpr (power == 2) force_N *= push.depth_m;
   push.f_W_N = force_N * push.n_W;
   push.contact_W_m = radius_m > S(0.0) ? Vec3Of<S>(tip_W_m + push.depth_m * push.n_W) : foot.p_W_m;
   return push;
@@ -89,7 +89,7 @@ class SurfaceFeet {
 };
 
 // `Feet` answers closest(Vec3Of<Feet::Scalar>) with a Foot.
-template <int kPower, class Feet>
+template <int power, class Feet>
 class ClosestSpring final : public rendering::Renderer {
  public:
   ClosestSpring(Feet feet, double k, double radius_m) : feet_(std::move(feet)), k_(k), radius_m_(radius_m) {}
@@ -110,12 +110,12 @@ class ClosestSpring final : public rendering::Renderer {
     // close? That side is treated as flat; the second query decides.
     const double depth_m = (at - tip).norm();
     if (touched_ && static_cast<double>(foot.signed_distance_m) < static_cast<double>(radius_m_) &&
-        (at - last_foot_).norm() > kJump * (tip - last_tip_).norm() + kNear * depth_m &&
-        std::abs(std::abs(last_n_.dot(tip - last_foot_)) - depth_m) <= kNear * depth_m) {
-      const Vec3Of<S> aside = p_W_m + S(kNear) * (last_foot_.template cast<S>() - p_W_m);
+        (at - last_foot_).norm() > jump * (tip - last_tip_).norm() + near * depth_m &&
+        std::abs(std::abs(last_n_.dot(tip - last_foot_)) - depth_m) <= near * depth_m) {
+      const Vec3Of<S> aside = p_W_m + S(near) * (last_foot_.template cast<S>() - p_W_m);
       Foot<S> other = feet_.closest(aside);
       const S distance = norm(Vec3Of<S>(other.p_W_m - p_W_m));
-      if (static_cast<double>(distance) - depth_m <= kRounded * (at.norm() + tip.norm())) {
+      if (static_cast<double>(distance) - depth_m <= rounded * (at.norm() + tip.norm())) {
         other.signed_distance_m = other.signed_distance_m < S(0.0) ? S(-distance) : distance;
         foot = other;
       }
@@ -129,7 +129,7 @@ class ClosestSpring final : public rendering::Renderer {
 
   rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
     const Vec3Of<S> p_W_m = tip.p_W_m.template cast<S>();
-    const SpringPush<S> push = push_out<kPower, S>(foot_at(p_W_m), p_W_m, k_, radius_m_);
+    const SpringPush<S> push = push_out<power, S>(foot_at(p_W_m), p_W_m, k_, radius_m_);
     rendering::StepResult result;
     result.contact = push.contact;
     result.f_W_N = push.f_W_N.template cast<double>();
@@ -139,9 +139,9 @@ class ClosestSpring final : public rendering::Renderer {
     return result;
   }
 
-  static constexpr double kJump = 2.0;   // of the tip's own way; a foot goes as far as the tip over what is flat
-  static constexpr double kNear = 1e-9;  // of the depth: more than rounding, less than anything else
-  static constexpr double kRounded = 16.0 * std::numeric_limits<double>::epsilon();
+  static constexpr double jump = 2.0;   // of the tip's own way; a foot goes as far as the tip over what is flat
+  static constexpr double near = 1e-9;  // of the depth: more than rounding, less than anything else
+  static constexpr double rounded = 16.0 * std::numeric_limits<double>::epsilon();
 
   Feet feet_;
   S k_;
@@ -152,13 +152,13 @@ class ClosestSpring final : public rendering::Renderer {
   Vec3 last_n_ = Vec3::Zero();
 };
 
-template <int kPower, class Feet>
+template <int power, class Feet>
 std::unique_ptr<rendering::Renderer> make_closest_spring(std::shared_ptr<const surface::Surface> surface, double k,
                                                          double radius_m) {
   if constexpr (std::is_constructible_v<Feet, std::shared_ptr<const surface::Surface>>) {
-    return std::make_unique<ClosestSpring<kPower, Feet>>(Feet(std::move(surface)), k, radius_m);
+    return std::make_unique<ClosestSpring<power, Feet>>(Feet(std::move(surface)), k, radius_m);
   } else {
-    return std::make_unique<ClosestSpring<kPower, Feet>>(Feet(*surface), k, radius_m);
+    return std::make_unique<ClosestSpring<power, Feet>>(Feet(*surface), k, radius_m);
   }
 }
 

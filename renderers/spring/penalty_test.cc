@@ -17,8 +17,8 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double wall_stiffness = 500.0;
+constexpr double eps = std::numeric_limits<double>::epsilon();
 
 std::unique_ptr<rendering::Renderer> penalty(std::shared_ptr<const surface::Surface> surface, double stiffness,
                                              double radius_m = 0.0) {
@@ -31,7 +31,7 @@ TEST(Penalty, IsTheExactContactOfEveryAnalyticSurfaceAtEveryScale) {
     for (const double scale : unit_scales()) {
       const auto surface = posed(entry.name, scale);
       for (const double radius : {0.0, 1e-3}) {
-        const auto renderer = penalty(surface, kStiffness / scale, scale * radius);
+        const auto renderer = penalty(surface, wall_stiffness / scale, scale * radius);
         Hand hand(*renderer);
         Random random(1);
         const Box3 box = surface->bounds();
@@ -50,9 +50,9 @@ TEST(Penalty, IsTheExactContactOfEveryAnalyticSurfaceAtEveryScale) {
           ++touching;
           const double depth = scale * radius - nearest.signed_distance_m;
           // The way out is known to eps times where the tip is over how far the surface is.
-          const double turned = 64.0 * kEps * scale * 0.2 / std::max(nearest.distance_m, 1e-300);
-          ASSERT_NEAR(result.depth_m, depth, 64.0 * kEps * scale);
-          ASSERT_NEAR(result.f_W_N.norm(), kStiffness / scale * depth, kStiffness * 64.0 * kEps) << entry.name;
+          const double turned = 64.0 * eps * scale * 0.2 / std::max(nearest.distance_m, 1e-300);
+          ASSERT_NEAR(result.depth_m, depth, 64.0 * eps * scale);
+          ASSERT_NEAR(result.f_W_N.norm(), wall_stiffness / scale * depth, wall_stiffness * 64.0 * eps) << entry.name;
           ASSERT_GE(result.n_W.dot(nearest.n_W), 0.0 - turned) << entry.name << ": it pushes out, never in";
           ASSERT_LE(std::abs(surface->closest(result.contact_W_m).distance_m - scale * radius), scale * 2e-3)
               << entry.name;
@@ -76,13 +76,13 @@ TEST(Penalty, OfEquallyCloseSidesItTakesTheOneWhereItWas) {
     const auto surface = make_embree_surface(plate);
     for (const std::string name : {"penalty", "spring-linear"}) {
       for (const double side : {1.0, -1.0}) {
-        const auto renderer = make_renderer(model_of(name, {{"stiffness_N_per_m", kStiffness / scale}}), surface);
+        const auto renderer = make_renderer(model_of(name, {{"stiffness_N_per_m", wall_stiffness / scale}}), surface);
         Hand hand(*renderer);
         const auto at = [&](double z) { return Vec3(scale * Vec3(0.0013, 0.0021, side * z)); };
         for (int i = 0; i < 40; ++i) hand.to(at(half + 0.001 - 1e-4 * i));
         for (const double z : {1e-9, 0.0, 0.0}) {
           const Vec3 force = hand.to(at(z)).f_W_N;
-          EXPECT_NEAR(force.z(), side * kStiffness * (half - z), 1e-9) << name << " x " << scale;
+          EXPECT_NEAR(force.z(), side * wall_stiffness * (half - z), 1e-9) << name << " x " << scale;
         }
         // Past the middle the far side is closer.
         EXPECT_LT(side * hand.to(at(-1e-9)).f_W_N.z(), 0.0) << name << " x " << scale;
@@ -119,16 +119,16 @@ TEST(Penalty, IsTheGodObjectOfASphereToRounding) {
   for (const double scale : unit_scales()) {
     for (const double radius : {0.0, 2e-3}) {
       const auto surface = posed("sphere", scale);
-      const auto renderer = penalty(surface, kStiffness / scale, scale * radius);
+      const auto renderer = penalty(surface, wall_stiffness / scale, scale * radius);
       Hand hand(*renderer);
       Random random(2);
       for (int i = 0; i < 500; ++i) {
         const Vec3 tip = surface->bounds().center() + scale * random.uniform(0.02, 0.034) * random.direction();
-        const auto exact = synthetic::exact_contact(*surface, tip, kStiffness / scale, scale * radius);
+        const auto exact = synthetic::exact_contact(*surface, tip, wall_stiffness / scale, scale * radius);
         const StepResult result = hand.to(tip);
         ASSERT_EQ(result.contact, exact.contact);
-        ASSERT_LE((result.f_W_N - exact.f_W_N).norm(), kStiffness * 64.0 * kEps * 0.1 * 4.0);
-        ASSERT_LE((result.contact_W_m - exact.proxy_W_m).norm(), scale * 64.0 * kEps * 0.1);
+        ASSERT_LE((result.f_W_N - exact.f_W_N).norm(), wall_stiffness * 64.0 * eps * 0.1 * 4.0);
+        ASSERT_LE((result.contact_W_m - exact.proxy_W_m).norm(), scale * 64.0 * eps * 0.1);
       }
     }
   }
@@ -158,7 +158,7 @@ TEST(Penalty, PinnedLimitItPopsThroughThinShells) {
       const std::vector<std::shared_ptr<const surface::Surface>> surfaces{
           shell, make_embree_surface(synthetic::make_mesh("thin-shell", overrides, 200).mesh)};
       for (const auto& surface : surfaces) {
-        const auto renderer = penalty(surface, kStiffness / scale);
+        const auto renderer = penalty(surface, wall_stiffness / scale);
         Hand hand(*renderer);
         const auto at = [&](double depth) { return hand.to(scale * Vec3(0.0013, 0.0021, -depth)); };
         EXPECT_FALSE(at(-1e-4).contact);
@@ -172,7 +172,7 @@ TEST(Penalty, PinnedLimitItPopsThroughThinShells) {
 }
 
 TEST(Penalty, PinnedLimitAJumpThroughABodyIsNotSeen) {
-  const auto renderer = penalty(make_embree_surface(testing::cube(0.02)), kStiffness);
+  const auto renderer = penalty(make_embree_surface(testing::cube(0.02)), wall_stiffness);
   Hand hand(*renderer);
   EXPECT_FALSE(hand.to({0.001, 0.002, 0.03}).contact);
   EXPECT_FALSE(hand.to({0.001, 0.002, -0.03}).contact) << "known limit";
@@ -180,11 +180,11 @@ TEST(Penalty, PinnedLimitAJumpThroughABodyIsNotSeen) {
 }
 
 TEST(Penalty, PinnedLimitTheForceJumpsWhereTwoFacesAreEquallyNear) {
-  const auto renderer = penalty(make_embree_surface(testing::cube(0.02)), kStiffness);
+  const auto renderer = penalty(make_embree_surface(testing::cube(0.02)), wall_stiffness);
   Hand hand(*renderer);
   const Vec3 before = hand.to({0.012 - 1e-9, 0.001, 0.012}).f_W_N;
   const Vec3 after = hand.to({0.012 + 1e-9, 0.001, 0.012}).f_W_N;
-  EXPECT_GT((after - before).norm(), kStiffness * 0.008) << "known limit";
+  EXPECT_GT((after - before).norm(), wall_stiffness * 0.008) << "known limit";
   EXPECT_NE(find_limitation(penalty_entry().cannot, Ability::continuous_force), nullptr);
 }
 
@@ -192,7 +192,7 @@ TEST(Penalty, PinnedLimitABallInAGrooveLeansOnOneWallOnly) {
   const std::shared_ptr<const synthetic::AnalyticSurface> groove =
       synthetic::make_surface("v-groove", {{"opening_rad", 1.2}, {"depth_m", 0.005}});
   const double radius = 1e-3;
-  const auto renderer = penalty(groove, kStiffness, radius);
+  const auto renderer = penalty(groove, wall_stiffness, radius);
   Hand hand(*renderer);
   const StepResult result = hand.to({0.0001, 0.003, -0.005 + 1.2 * radius});
   ASSERT_TRUE(result.contact);

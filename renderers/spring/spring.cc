@@ -9,11 +9,11 @@ using rendering::Ability;
 
 namespace {
 
-template <int kPower, class Feet>
+template <int power, class Feet>
 std::unique_ptr<rendering::Renderer> make(const rendering::Parameters& parameters,
                                           std::shared_ptr<const surface::Surface> surface) {
-  const char* const k = kPower == 1 ? "stiffness_N_per_m" : "coefficient_N_per_m2";
-  return make_closest_spring<kPower, Feet>(std::move(surface), parameters.at(k), 0.0);
+  const char* const k = power == 1 ? "stiffness_N_per_m" : "coefficient_N_per_m2";
+  return make_closest_spring<power, Feet>(std::move(surface), parameters.at(k), 0.0);
 }
 
 std::vector<rendering::Limitation> limitations() {

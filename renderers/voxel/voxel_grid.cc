@@ -15,13 +15,13 @@ using surface::Surface;
 namespace {
 
 // Parts of a voxel by which the grid is shifted along x, y and z; half a voxel is kept for them.
-const Vec3 kShift(0.137, 0.271, 0.389);
-constexpr double kRoomForShift = 0.5;
-const double kHalfDiagonal = 0.5 * std::numbers::sqrt3;
+const Vec3 shift(0.137, 0.271, 0.389);
+constexpr double room_for_shift = 0.5;
+const double half_diagonal = 0.5 * std::numbers::sqrt3;
 
 VoxelLayout make_layout(const Surface& surface, const VoxelGridOptions& options) {
   const Box3 box = surface.bounds();
-  const double room = options.resolution - 2.0 * options.margin_voxels - kRoomForShift;
+  const double room = options.resolution - 2.0 * options.margin_voxels - room_for_shift;
   if (!(room >= 1.0)) {
     throw BadData(
         fmt::format("a grid of {} voxels with a margin of {} on either side leaves no voxel for the body; "
@@ -32,12 +32,12 @@ VoxelLayout make_layout(const Surface& surface, const VoxelGridOptions& options)
   layout.voxel_m = box.sizes().maxCoeff() / room;
   layout.per_m = 1.0 / layout.voxel_m;
   for (Eigen::Index i = 0; i < 3; ++i) {
-    const double voxels = box.sizes()[i] * layout.per_m + 2.0 * options.margin_voxels + kRoomForShift;
+    const double voxels = box.sizes()[i] * layout.per_m + 2.0 * options.margin_voxels + room_for_shift;
     // The longest side comes to `resolution` itself, but for rounding.
     const double count = std::abs(voxels - options.resolution) < 1e-6 ? options.resolution : std::ceil(voxels);
     layout.count[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(count);
   }
-  layout.origin_W_m = box.min() - layout.voxel_m * (Vec3::Constant(options.margin_voxels) + kShift);
+  layout.origin_W_m = box.min() - layout.voxel_m * (Vec3::Constant(options.margin_voxels) + shift);
   return layout;
 }
 
@@ -47,7 +47,7 @@ bool plane_at(const Surface& surface, const VoxelLayout& layout, const VoxelGrid
   const Vec3 center = layout.center_W_m(at);
   const surface::SurfacePoint nearest = surface.closest(center);
   const double height = nearest.signed_distance_m * layout.per_m;
-  if (!(height <= kHalfDiagonal && height >= -options.reach_voxels)) return false;
+  if (!(height <= half_diagonal && height >= -options.reach_voxels)) return false;
   plane.nx = static_cast<float>(nearest.n_W.x());
   plane.ny = static_cast<float>(nearest.n_W.y());
   plane.nz = static_cast<float>(nearest.n_W.z());
@@ -62,7 +62,7 @@ SparseVoxels::Brick make_brick(const Surface& surface, const VoxelLayout& layout
   SparseVoxels::Brick brick;
   // The distance of a voxel's centre differs from that of the brick's middle by no more than lies between them.
   const Vec3 middle = layout.origin_W_m + layout.voxel_m * Vec3(first[0] + 2.0, first[1] + 2.0, first[2] + 2.0);
-  const double band = std::max(kHalfDiagonal, options.reach_voxels) + 3.0 * kHalfDiagonal;
+  const double band = std::max(half_diagonal, options.reach_voxels) + 3.0 * half_diagonal;
   if (surface.closest(middle).distance_m * layout.per_m > band * (1.0 + 1e-9)) return brick;
   for (int bit = 0; bit < 64; ++bit) {
     const VoxelIndex at{first[0] + (bit & 3), first[1] + (bit >> 2 & 3), first[2] + (bit >> 4)};

@@ -22,12 +22,12 @@ using surface::Surface;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
+constexpr double stiffness = 500.0;
 
 std::unique_ptr<rendering::Renderer> voxel(std::shared_ptr<const Surface> surface,
                                            std::map<std::string, double> parameters = {},
                                            const std::string& name = "voxel") {
-  parameters.try_emplace("stiffness_N_per_m", kStiffness);
+  parameters.try_emplace("stiffness_N_per_m", stiffness);
   return make_renderer(model_of(name, std::move(parameters)), std::move(surface));
 }
 
@@ -136,7 +136,7 @@ TEST(Voxel, IsExactOnAPlaneAtEveryScaleAndResolution) {
     for (const double resolution : {8.0, 64.0, 200.0}) {
       const std::shared_ptr<const Surface> plane = synthetic::make_surface("plane", {{"half_side_m", 0.05 * scale}});
       const auto renderer =
-          voxel(plane, {{"stiffness_N_per_m", kStiffness / scale}, {"resolution", resolution}, {"margin_voxels", 3.0}},
+          voxel(plane, {{"stiffness_N_per_m", stiffness / scale}, {"resolution", resolution}, {"margin_voxels", 3.0}},
                 "voxel-sparse");
       const double h = 0.1 * scale / (resolution - 6.5);
       Hand hand(*renderer);
@@ -145,8 +145,8 @@ TEST(Voxel, IsExactOnAPlaneAtEveryScaleAndResolution) {
         const double depth = random.uniform(-1.0, 2.0) * h;
         const StepResult result =
             hand.to({scale * random.uniform(-0.045, 0.045), scale * random.uniform(-0.045, 0.045), -depth});
-        const double expected = kStiffness / scale * std::max(0.0, depth);
-        ASSERT_LE((result.f_W_N - Vec3(0, 0, expected)).norm(), kStiffness / scale * h * 5e-7) << i;
+        const double expected = stiffness / scale * std::max(0.0, depth);
+        ASSERT_LE((result.f_W_N - Vec3(0, 0, expected)).norm(), stiffness / scale * h * 5e-7) << i;
       }
     }
   }
@@ -202,7 +202,7 @@ TEST(Voxel, SixtyFourCubedFitsThePapersMemoryAndSparseATenthOfIt) {
 TEST(Voxel, CountedItGivesTheSameBitsAtFortySixOperationsAStep) {
   const auto surface = mesh_surface("duck", 3000);
   for (const char* name : {"voxel", "voxel-sparse"}) {
-    const rendering::Model model = model_of(name, {{"stiffness_N_per_m", kStiffness}, {"resolution", 40.0}});
+    const rendering::Model model = model_of(name, {{"stiffness_N_per_m", stiffness}, {"resolution", 40.0}});
     const rendering::RendererEntry& entry = find_renderer(model);
     const rendering::Parameters parameters(entry.parameters, model.parameters, "renderer", "test", "");
     const auto plain = entry.make(parameters, surface);
@@ -271,7 +271,7 @@ TEST(Voxel, PinnedLimitTheForceJumpsFromVoxelToVoxel) {
     last = now.f_W_N;
   }
   // Steps of 3 um: a force that follows them changes by 0.25 N / 0.0295 m * 3 um.
-  EXPECT_GT(largest, 100.0 * kStiffness * 5e-4 / 0.0295 * 3e-6) << "known limit";
+  EXPECT_GT(largest, 100.0 * stiffness * 5e-4 / 0.0295 * 3e-6) << "known limit";
   EXPECT_NE(find_limitation(voxel_entry().cannot, Ability::continuous_force), nullptr);
 }
 

@@ -7,8 +7,8 @@
 namespace touchstone::synthetic {
 namespace {
 
-constexpr double kHalfSide_m = 0.04;  // of the patches and blocks
-constexpr double kAbove_m = 0.010;    // of targets that are carried to the closest point of the surface
+constexpr double half_side_m = 0.04;  // of the patches and blocks
+constexpr double above_m = 0.010;     // of targets that are carried to the closest point of the surface
 
 std::unique_ptr<const Guide> field_guide(const AnalyticSurface& surface) {
   return std::make_unique<HeightFieldGuide>(dynamic_cast<const HeightField&>(surface));
@@ -24,8 +24,8 @@ std::unique_ptr<const Guide> closest_guide(const AnalyticSurface& surface) {
 Tessellation flush_blocks() {
   Tessellation both;
   both.mesh.source = "two blocks of 40 mm x 40 mm x 10 mm, flush at x = 0";
-  for (const double middle_m : {-0.5 * kHalfSide_m, 0.5 * kHalfSide_m}) {
-    const Tessellation one = make_mesh("thin-shell", {{"thickness_m", 0.01}, {"half_side_m", 0.5 * kHalfSide_m}}, 6000);
+  for (const double middle_m : {-0.5 * half_side_m, 0.5 * half_side_m}) {
+    const Tessellation one = make_mesh("thin-shell", {{"thickness_m", 0.01}, {"half_side_m", 0.5 * half_side_m}}, 6000);
     const auto first = static_cast<std::int32_t>(both.mesh.vertices_W_m.size());
     for (const Vec3& v : one.mesh.vertices_W_m) both.mesh.vertices_W_m.push_back(v + Vec3(middle_m, 0.0, 0.0));
     for (const auto& t : one.mesh.triangles) both.mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
@@ -41,7 +41,7 @@ Tracker::Pose swaying_table(double t_s) {
 
 // A tap, five lines to and fro along x that step along y, a tap: over the middle of a patch and whatever stands there.
 ScanScript raster_script(std::uint64_t seed) {
-  Vec3 at(-0.020, -0.012, kAbove_m);
+  Vec3 at(-0.020, -0.012, above_m);
   const Vec3 start = at;
   std::vector<Leg> legs{{Touch::free, 0.6, at}, {Touch::tap, 0.25, at}, {Touch::free, 0.6, at}};
   for (int line = 0; line < 5; ++line) {
@@ -97,7 +97,7 @@ namespace {
 
 Recipe flush() {
   Recipe out = family("flush", "two rigid blocks, flush with one another", "thin-shell",
-                      {{"thickness_m", 0.01}, {"half_side_m", kHalfSide_m}}, closest_guide, raster_script);
+                      {{"thickness_m", 0.01}, {"half_side_m", half_side_m}}, closest_guide, raster_script);
   out.mesh = flush_blocks;
   return out;
 }
@@ -105,7 +105,7 @@ Recipe flush() {
 Recipe moving() {
   Recipe out =
       family("moving", "a rigid plate with a smooth bump of 3 mm, which moves while it is scanned", "gauss",
-             {{"amplitude_m", 0.003}, {"width_m", 0.008}, {"half_side_m", kHalfSide_m}}, field_guide, raster_script);
+             {{"amplitude_m", 0.003}, {"width_m", 0.008}, {"half_side_m", half_side_m}}, field_guide, raster_script);
   out.object_pose = swaying_table;
   out.motion =
       "x = 20 mm sin(0.8 t), y = 10 mm sin(0.5 t), turned about z by 0.2 rad sin(0.6 t); the tracker measured probe "
@@ -119,18 +119,18 @@ Recipe moving() {
 std::span<const Recipe> families() {
   static const std::vector<Recipe> all{
       family("bump-smooth", "a rigid plate with a smooth bump of 3 mm", "gauss",
-             {{"amplitude_m", 0.003}, {"width_m", 0.008}, {"half_side_m", kHalfSide_m}}, field_guide, raster_script),
+             {{"amplitude_m", 0.003}, {"width_m", 0.008}, {"half_side_m", half_side_m}}, field_guide, raster_script),
       family("bump-round", "a rigid disc with a round bump of 3 mm and a slanted side", "bump",
-             {{"height_m", 0.003}, {"edge_radius_m", 0.003}, {"half_side_m", kHalfSide_m}}, closest_guide,
+             {{"height_m", 0.003}, {"edge_radius_m", 0.003}, {"half_side_m", half_side_m}}, closest_guide,
              raster_script),
-      family("saddle", "a rigid saddle, radii of 50 mm", "saddle", {{"radius_m", 0.05}, {"half_side_m", kHalfSide_m}},
+      family("saddle", "a rigid saddle, radii of 50 mm", "saddle", {{"radius_m", 0.05}, {"half_side_m", half_side_m}},
              field_guide, raster_script),
       family("bumpy", "a rigid closed body with lobes, about 60 mm", "bumpy", {{"radius_m", 0.03}}, body_guide,
              around_script),
       family("crease", "a rigid roof with a convex crease of 0.5 rad", "crease",
-             {{"bend_rad", 0.5}, {"half_side_m", kHalfSide_m}}, closest_guide, raster_script),
+             {{"bend_rad", 0.5}, {"half_side_m", half_side_m}}, closest_guide, raster_script),
       family("thin-shell", "a rigid sheet 1 mm thick", "thin-shell",
-             {{"thickness_m", 0.001}, {"half_side_m", kHalfSide_m}}, closest_guide, raster_script),
+             {{"thickness_m", 0.001}, {"half_side_m", half_side_m}}, closest_guide, raster_script),
       flush(),
       moving(),
   };

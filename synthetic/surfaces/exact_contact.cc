@@ -23,14 +23,14 @@ ExactContact exact_contact(const surface::Surface& surface, const Vec3& tip_W_m,
 }
 
 bool leaves_sheet(const surface::Surface& surface, const Vec3& a_W_m, const Vec3& b_W_m, double tip_radius_m) {
-  constexpr int kPieces = 16;
-  constexpr double kLipschitz = 2.0;
+  constexpr int pieces = 16;
+  constexpr double lipschitz = 2.0;
   // Closest points of curved shapes are searched for; what the search leaves is far below this.
   const double rounding_m = 1e-9 * surface.bounds().diagonal().norm();
-  const double most_m = kLipschitz * (b_W_m - a_W_m).norm() / kPieces + rounding_m;
+  const double most_m = lipschitz * (b_W_m - a_W_m).norm() / pieces + rounding_m;
   std::optional<Vec3> before;  // the closest point to the tip a piece ago, if that was inside
-  for (int piece = 0; piece <= kPieces; ++piece) {
-    const surface::SurfacePoint at = surface.closest(a_W_m + piece * (1.0 / kPieces) * (b_W_m - a_W_m));
+  for (int piece = 0; piece <= pieces; ++piece) {
+    const surface::SurfacePoint at = surface.closest(a_W_m + piece * (1.0 / pieces) * (b_W_m - a_W_m));
     const bool inside = at.signed_distance_m < tip_radius_m;
     if (inside && before && (at.p_W_m - *before).norm() > most_m) return true;
     before = inside ? std::optional(at.p_W_m) : std::nullopt;

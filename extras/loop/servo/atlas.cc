@@ -10,14 +10,14 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr double kHalfWay_m = 0.012;
-constexpr double kSpeed_m_per_s = 0.016;
-constexpr double kAbove_m = 2e-3;
-constexpr double kDown_s = 0.3;
-constexpr double kHold_s = 0.4;
-constexpr double kPress_N = 1.0;
-constexpr std::size_t kTriangles = 10000;
-constexpr std::size_t kFewTriangles = 200;  // of the passive plane, a test of any renderer, also of a slow one
+constexpr double half_way_m = 0.012;
+constexpr double speed_m_per_s = 0.016;
+constexpr double above_m = 2e-3;
+constexpr double down_s = 0.3;
+constexpr double hold_s = 0.4;
+constexpr double press_N = 1.0;
+constexpr std::size_t triangle_count = 10000;
+constexpr std::size_t few_triangles = 200;  // of the passive plane, a test of any renderer, also of a slow one
 
 double top_m(const surface::Surface& shape, double x_m) {
   const Box3 box = shape.bounds();
@@ -49,16 +49,16 @@ MotionColumns atlas_path(const surface::Surface& shape, const LoopParameters& pa
   const double stiffness = parameters.axis.hand_stiffness_N_per_m;
   if (!(stiffness > 0.0))
     throw UsageError("a hand without stiffness presses on nothing: hand_stiffness_N_per_m above 0");
-  const double deep_m = kPress_N / stiffness;
+  const double deep_m = press_N / stiffness;
   MotionColumns path;
-  const double slide_s = 2.0 * kHalfWay_m / kSpeed_m_per_s;
-  const double whole_s = kDown_s + kHold_s + slide_s + kHold_s;
+  const double slide_s = 2.0 * half_way_m / speed_m_per_s;
+  const double whole_s = down_s + hold_s + slide_s + hold_s;
   for (double t = 0.0; t < whole_s; t += 1e-3) {
-    const double along = std::clamp((t - kDown_s - kHold_s) / slide_s, 0.0, 1.0);
-    const double x_m = -kHalfWay_m + 2.0 * kHalfWay_m * along;
-    const double down = std::min(1.0, t / kDown_s);
+    const double along = std::clamp((t - down_s - hold_s) / slide_s, 0.0, 1.0);
+    const double x_m = -half_way_m + 2.0 * half_way_m * along;
+    const double down = std::min(1.0, t / down_s);
     path.t_s.push_back(t);
-    path.p_W_m.emplace_back(x_m, 1e-4, top_m(shape, x_m) + kAbove_m - down * (kAbove_m + deep_m));
+    path.p_W_m.emplace_back(x_m, 1e-4, top_m(shape, x_m) + above_m - down * (above_m + deep_m));
   }
   return path;
 }
@@ -77,17 +77,17 @@ namespace {
 
 // A device without quantisation, dry friction, latency and limits, with viscous friction b = K T / 2 / share.
 LoopSetup passive_setup(LoopSetup setup, double stiffness_N_per_m) {
-  constexpr double kShareOfLimit = 0.8;
-  constexpr double kDeviceMass_kg = 0.1;
+  constexpr double share_of_limit = 0.8;
+  constexpr double device_mass_kg = 0.1;
   const LoopParameters& asked = setup.parameters;
   LoopParameters own;
   own.axis = asked.axis;
   own.axis.friction_N = own.axis.actuator_time_constant_s = 0.0;
-  own.axis.damping_N_s_per_m = 0.5 * stiffness_N_per_m * asked.period_s / kShareOfLimit;
+  own.axis.damping_N_s_per_m = 0.5 * stiffness_N_per_m * asked.period_s / share_of_limit;
   own.hand_mass_kg = asked.hand_mass_kg;
   own.period_s = asked.period_s;
   setup.parameters = own;
-  setup.device_masses_kg = {kDeviceMass_kg};
+  setup.device_masses_kg = {device_mass_kg};
   return setup;
 }
 
@@ -133,7 +133,8 @@ AtlasAnswer atlas_answer(const rendering::Catalogue& catalogue, const rendering:
   const double radius_m = tip_radius_m(catalogue.find(model));
   MotionColumns path = atlas_path(*generators.surface(where.surface, where.parameters), setup.parameters);
   for (Vec3& meant_W_m : path.p_W_m) meant_W_m.z() += radius_m;
-  const auto mesh = generators.mesh(where.surface, where.parameters, where.passive ? kFewTriangles : kTriangles).mesh;
+  const auto mesh =
+      generators.mesh(where.surface, where.parameters, where.passive ? few_triangles : triangle_count).mesh;
   std::vector<Verdict> verdicts;
   try {
     const auto renderer = catalogue.make(model, surface::make_embree_surface(mesh));

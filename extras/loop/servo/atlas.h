@@ -53,8 +53,8 @@ AtlasAnswer atlas_answer(const rendering::Catalogue& catalogue, const rendering:
                          rendering::Model model, const AtlasCase& where, const LoopSetup& setup,
                          const perception::Thresholds& thresholds);
 
-inline constexpr std::array<std::string_view, 4> kAtlasFindings{"unstable-below-limit", "buzz-at-edges",
-                                                                "buzz-with-friction", "kick"};
+inline constexpr std::array<std::string_view, 4> atlas_finding_names{"unstable-below-limit", "buzz-at-edges",
+                                                                     "buzz-with-friction", "kick"};
 struct AtlasFinding {
   std::string name;
   std::vector<std::string> where;  // the cases, the worst first

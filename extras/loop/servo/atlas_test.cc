@@ -38,9 +38,9 @@ class Late final : public rendering::Renderer {
  protected:
   void do_reset() override { answers_.clear(); }
   rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
-    constexpr std::size_t kSteps = 4;
+    constexpr std::size_t steps = 4;
     answers_.push_back(wall_.step(tip));
-    if (answers_.size() > kSteps) answers_.pop_front();
+    if (answers_.size() > steps) answers_.pop_front();
     return answers_.front();
   }
 

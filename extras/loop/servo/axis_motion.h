@@ -40,11 +40,11 @@ struct PortWork {
 };
 
 // Time is counted in quanta: 2^40 of them are one period of the servo loop, 1e-15 s at 1 kHz.
-inline constexpr int kPeriodBits = 40;
-inline constexpr std::int64_t kPeriodQuanta = std::int64_t{1} << kPeriodBits;
+inline constexpr int period_bits = 40;
+inline constexpr std::int64_t period_quanta = std::int64_t{1} << period_bits;
 
 // The state of the linear equations, in this order.
-enum AxisIndex : int { kDeviation, kVelocity, kActuator, kIntended, kCommand, kFriction };
+enum AxisIndex : int { deviation_index, velocity_index, actuator_index, intended_index, command_index, friction_index };
 using AxisVector = Eigen::Matrix<double, 6, 1>;
 using AxisMatrix = Eigen::Matrix<double, 6, 6>;
 
@@ -85,14 +85,14 @@ class AxisMotion {
 
   // From here on.
   void command(double force_N);
-  void intend(double velocity_m_per_s) { z_[kIntended] = velocity_m_per_s; }
+  void intend(double velocity_m_per_s) { z_[intended_index] = velocity_m_per_s; }
   void start_at(double deviation_m, double velocity_m_per_s);
   // At most a period.
   void advance(std::int64_t quanta);
 
-  [[nodiscard]] double deviation_m() const noexcept { return z_[kDeviation]; }  // from where the hand means to be
-  [[nodiscard]] double velocity_m_per_s() const noexcept { return z_[kVelocity]; }
-  [[nodiscard]] double actuator_N() const noexcept { return z_[kActuator]; }
+  [[nodiscard]] double deviation_m() const noexcept { return z_[deviation_index]; }  // from where the hand means to be
+  [[nodiscard]] double velocity_m_per_s() const noexcept { return z_[velocity_index]; }
+  [[nodiscard]] double actuator_N() const noexcept { return z_[actuator_index]; }
   [[nodiscard]] double acceleration_m_per_s2() const noexcept;
   // Of the device on the hand, whose own mass is `hand_mass_kg` of the whole.
   [[nodiscard]] double felt_N(double hand_mass_kg) const noexcept;

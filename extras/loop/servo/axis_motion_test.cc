@@ -32,7 +32,7 @@ TEST_P(AtScale, ADampedSpringFollowsItsClosedForm) {
   const double decay = 0.03 / T, w = std::sqrt(std::pow(0.3 / T, 2) - decay * decay);
   double worst = 0.0;
   for (int k = 1; k <= 400; ++k) {
-    axis.advance(kPeriodQuanta);
+    axis.advance(period_quanta);
     const double t = k * T;
     const double y = 1e-3 * std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
     worst = std::max(worst, std::abs(axis.deviation_m() - y));
@@ -44,17 +44,17 @@ TEST_P(AtScale, ADampedSpringFollowsItsClosedForm) {
 TEST_P(AtScale, AnyTimeIsTheSumOfItsParts) {
   const auto [m, T] = GetParam();
   AxisParameters own{m, 0.1 * m / T, 0.0, 0.2 * m / T, m * std::pow(0.5 / T, 2), 0.3 * T};
-  const AxisTransitions plain(own, T), known(own, T, {kPeriodQuanta / 3, kPeriodQuanta - kPeriodQuanta / 3});
+  const AxisTransitions plain(own, T), known(own, T, {period_quanta / 3, period_quanta - period_quanta / 3});
   AxisMotion whole(plain), parts(plain), frequent(known);
   for (AxisMotion* axis : {&whole, &parts, &frequent}) {
     axis->start_at(1e-3, 0.01);
     axis->command(0.7);
     axis->intend(0.05);
   }
-  whole.advance(kPeriodQuanta);
+  whole.advance(period_quanta);
   for (AxisMotion* axis : {&parts, &frequent}) {
-    axis->advance(kPeriodQuanta / 3);
-    axis->advance(kPeriodQuanta - kPeriodQuanta / 3);
+    axis->advance(period_quanta / 3);
+    axis->advance(period_quanta - period_quanta / 3);
     EXPECT_NEAR(axis->deviation_m(), whole.deviation_m(), 1e-13 * std::abs(whole.deviation_m()));
     EXPECT_NEAR(axis->velocity_m_per_s(), whole.velocity_m_per_s(), 1e-13 * std::abs(whole.velocity_m_per_s()));
     EXPECT_NEAR(axis->work().by_hand_J, whole.work().by_hand_J, 1e-12 * std::abs(whole.work().by_hand_J));
@@ -69,7 +69,7 @@ TEST_P(AtScale, DryFrictionStopsAMassWhereItsEnergyIsSpent) {
   const AxisTransitions transitions(own, T);
   AxisMotion axis(transitions);
   axis.start_at(0.0, 0.1);
-  for (int k = 0; k < 10; ++k) axis.advance(kPeriodQuanta);
+  for (int k = 0; k < 10; ++k) axis.advance(period_quanta);
   const double way = m * 0.1 * 0.1 / (2.0 * own.friction_N);
   EXPECT_TRUE(axis.resting());
   EXPECT_EQ(axis.velocity_m_per_s(), 0.0);
@@ -89,10 +89,10 @@ TEST_P(AtScale, ABodyAtRestBreaksLooseWhereThePullExceedsTheFriction) {
   const AxisTransitions transitions(own, T);
   AxisMotion axis(transitions);
   axis.intend(q);
-  for (int k = 0; k < 5; ++k) axis.advance(kPeriodQuanta);
+  for (int k = 0; k < 5; ++k) axis.advance(period_quanta);
   EXPECT_TRUE(axis.resting());
   EXPECT_NEAR(axis.deviation_m(), -q * 5.0 * T, 1e-14 * q * T);
-  for (int k = 0; k < 2; ++k) axis.advance(kPeriodQuanta);
+  for (int k = 0; k < 2; ++k) axis.advance(period_quanta);
   const double t = 1.7 * T;  // since then: way x = q (t - sin(w t) / w)
   EXPECT_FALSE(axis.resting());
   EXPECT_NEAR(axis.deviation_m(), q * (t - std::sin(w * t) / w) - q * 7.0 * T, 1e-12 * q * T);
@@ -110,9 +110,9 @@ TEST_P(AtScale, WorkBalancesKineticEnergyToRounding) {
   for (int k = 0; k < 3000; ++k) {
     axis.command(random.uniform(-f, f));
     axis.intend(random.uniform(-0.05, 0.05));
-    axis.advance(kPeriodQuanta / 7);
+    axis.advance(period_quanta / 7);
     axis.command(random.uniform(-f, f));
-    axis.advance(kPeriodQuanta - kPeriodQuanta / 7);
+    axis.advance(period_quanta - period_quanta / 7);
     rests += axis.resting() ? 1 : 0;
     const PortWork& work = axis.work();
     through += std::abs(work.by_actuator_J + work.by_hand_J - before);

@@ -18,10 +18,10 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr std::size_t kFewest = 50, kMost = 200'000;
-constexpr double kUneven = 0.1;  // of the period
-constexpr double kMostLatePeriods = 50.0;
-constexpr double kNormal95 = 1.96;
+constexpr std::size_t fewest = 50, most = 200'000;
+constexpr double uneven = 0.1;  // of the period
+constexpr double most_late_periods = 50.0;
+constexpr double normal95 = 1.96;
 
 // The recording along one line.
 struct Line {
@@ -32,15 +32,15 @@ struct Line {
 
 // What is sought: the logarithm of the mass, then viscous friction, Coulomb friction, latency, first position and
 // velocity, each as a share of a scale of the recording.
-enum : int { kLogMass, kViscous, kDry, kLate, kStart, kSpeed, kUnknowns };
-using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+enum : int { log_mass_index, viscous_index, dry_index, late_index, start_index, speed_index, unknown_count };
+using Unknowns = Eigen::Matrix<double, unknown_count, 1>;
 
 Line line_of(const recording::Recording& recording) {
   const auto& p = recording.motion.p_W_m;
   const auto refuse = [&](const std::string& why) { throw BadData(recording.source + ": " + why); };
   if (recording.f_W_N.empty()) refuse("no force: the commanded force on the device was expected (fx_N, fy_N, fz_N)");
-  if (p.size() < kFewest || p.size() > kMost)
-    refuse(fmt::format("{} samples: {} to {} were expected", p.size(), kFewest, kMost));
+  if (p.size() < fewest || p.size() > most)
+    refuse(fmt::format("{} samples: {} to {} were expected", p.size(), fewest, most));
   Vec3 mean = Vec3::Zero();
   for (const Vec3& at : p) mean += at / static_cast<double>(p.size());
   Mat3 spread = Mat3::Zero();
@@ -53,7 +53,7 @@ Line line_of(const recording::Recording& recording) {
   for (std::size_t i = 1; i < t_s.size(); ++i) steps_s.push_back(t_s[i] - t_s[i - 1]);
   line.period_s = (t_s.back() - t_s.front()) / static_cast<double>(steps_s.size());
   for (std::size_t i = 0; i < steps_s.size(); ++i) {
-    if (std::abs(steps_s[i] - line.period_s) > kUneven * line.period_s) {
+    if (std::abs(steps_s[i] - line.period_s) > uneven * line.period_s) {
       refuse(
           fmt::format("sample {} comes {} s after the one before, the others every {} s: one a period of the servo "
                       "was expected",
@@ -87,9 +87,9 @@ Scales scales_of(const Line& line) {
 
 AxisParameters device_of(const Scales& scales, const Unknowns& u) {
   AxisParameters own;
-  own.mass_kg = std::exp(u[kLogMass]);
-  own.damping_N_s_per_m = u[kViscous] * scales.damping_N_s_per_m;
-  own.friction_N = u[kDry] * scales.friction_N;
+  own.mass_kg = std::exp(u[log_mass_index]);
+  own.damping_N_s_per_m = u[viscous_index] * scales.damping_N_s_per_m;
+  own.friction_N = u[dry_index] * scales.friction_N;
   return own;
 }
 
@@ -98,19 +98,19 @@ AxisParameters device_of(const Scales& scales, const Unknowns& u) {
 template <class Sample, class Acting>
 void move(const Line& line, const Scales& scales, const Unknowns& u, const Sample& sample, const Acting& acting) {
   const auto late = static_cast<std::int64_t>(
-      std::llround(u[kLate] * scales.latency_s / line.period_s * static_cast<double>(kPeriodQuanta)));
-  const std::int64_t part = late % kPeriodQuanta;
-  const AxisTransitions transitions(device_of(scales, u), line.period_s, {part, kPeriodQuanta - part});
+      std::llround(u[late_index] * scales.latency_s / line.period_s * static_cast<double>(period_quanta)));
+  const std::int64_t part = late % period_quanta;
+  const AxisTransitions transitions(device_of(scales, u), line.period_s, {part, period_quanta - part});
   AxisMotion axis(transitions);
-  axis.start_at(u[kStart] * scales.start_m, u[kSpeed] * scales.speed_m_per_s);
-  const std::int64_t whole = late / kPeriodQuanta;
+  axis.start_at(u[start_index] * scales.start_m, u[speed_index] * scales.speed_m_per_s);
+  const std::int64_t whole = late / period_quanta;
   const auto commanded = [&](std::int64_t k) {
     return line.f_N[static_cast<std::size_t>(std::max<std::int64_t>(k, 0))];
   };
   for (std::size_t k = 0; k < line.x_m.size(); ++k) {
     sample(k, axis);
     const std::int64_t now = static_cast<std::int64_t>(k) - whole;
-    const double share = static_cast<double>(part) / static_cast<double>(kPeriodQuanta);
+    const double share = static_cast<double>(part) / static_cast<double>(period_quanta);
     if (part > 0) {
       axis.command(commanded(now - 1));
       acting(k, axis, share);
@@ -118,7 +118,7 @@ void move(const Line& line, const Scales& scales, const Unknowns& u, const Sampl
     }
     axis.command(commanded(now));
     acting(k, axis, 1.0 - share);
-    axis.advance(kPeriodQuanta - part);
+    axis.advance(period_quanta - part);
   }
 }
 
@@ -153,7 +153,7 @@ std::array<double, 4> parts_of(const Line& line, const Scales& scales, const Unk
 // The encoder's step along the axis of the object's frame that moves most: the smallest change, if all others are
 // multiples of it.
 double resolution_of(const recording::Recording& recording) {
-  constexpr double kOfAStep = 0.02;
+  constexpr double of_a_step = 0.02;
   const auto& p = recording.motion.p_W_m;
   Box3 box;
   for (const Vec3& at : p) box.extend(at);
@@ -168,24 +168,24 @@ double resolution_of(const recording::Recording& recording) {
   const double step_m = *std::ranges::min_element(changes_m);
   const bool all = std::ranges::all_of(changes_m, [&](double change_m) {
     const double steps = change_m / step_m;
-    return std::abs(steps - std::round(steps)) < kOfAStep;
+    return std::abs(steps - std::round(steps)) < of_a_step;
   });
   return all ? step_m : 0.0;
 }
 
 Unknowns within_bounds(Unknowns u) {
-  for (const int i : {kViscous, kDry, kLate}) u[i] = std::max(u[i], 0.0);
-  u[kLate] = std::min(u[kLate], kMostLatePeriods);
+  for (const int i : {viscous_index, dry_index, late_index}) u[i] = std::max(u[i], 0.0);
+  u[late_index] = std::min(u[late_index], most_late_periods);
   return u;
 }
 
 Eigen::MatrixXd slopes(const Line& line, const Scales& scales, const Unknowns& u) {
-  constexpr double kStep = 1e-5;
-  Eigen::MatrixXd out(static_cast<Eigen::Index>(line.x_m.size()), static_cast<Eigen::Index>(kUnknowns));
-  for (int i = 0; i < kUnknowns; ++i) {
+  constexpr double difference_step = 1e-5;
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(line.x_m.size()), static_cast<Eigen::Index>(unknown_count));
+  for (int i = 0; i < unknown_count; ++i) {
     Unknowns above = u, below = u;
-    above[i] += kStep;
-    below = within_bounds(below - kStep * Unknowns::Unit(i));
+    above[i] += difference_step;
+    below = within_bounds(below - difference_step * Unknowns::Unit(i));
     out.col(i) = (residuals(line, scales, above) - residuals(line, scales, below)) / (above[i] - below[i]);
   }
   return out;
@@ -193,7 +193,7 @@ Eigen::MatrixXd slopes(const Line& line, const Scales& scales, const Unknowns& u
 
 // Some masses of five decades, with the friction and latency that suit each best: the local minima are far apart.
 std::vector<Unknowns> beginnings(const Line& line, const Scales& scales) {
-  constexpr std::size_t kKept = 5;
+  constexpr std::size_t kept = 5;
   std::vector<std::pair<double, Unknowns>> of_masses;
   const std::size_t few = std::min<std::size_t>(5, line.x_m.size() - 1);
   for (double mass_kg = 1e-3; mass_kg < 100.0; mass_kg *= 1.25) {
@@ -201,11 +201,12 @@ std::vector<Unknowns> beginnings(const Line& line, const Scales& scales) {
     for (const double viscous : {0.02, 0.2}) {
       for (const double late : {0.0, 2.5}) {
         Unknowns u = Unknowns::Zero();
-        u[kLogMass] = std::log(mass_kg);
-        u[kViscous] = viscous;
-        u[kLate] = late;
-        u[kStart] = line.x_m.front() / scales.start_m;
-        u[kSpeed] = (line.x_m[few] - line.x_m[0]) / (static_cast<double>(few) * line.period_s) / scales.speed_m_per_s;
+        u[log_mass_index] = std::log(mass_kg);
+        u[viscous_index] = viscous;
+        u[late_index] = late;
+        u[start_index] = line.x_m.front() / scales.start_m;
+        u[speed_index] =
+            (line.x_m[few] - line.x_m[0]) / (static_cast<double>(few) * line.period_s) / scales.speed_m_per_s;
         const double sum = residuals(line, scales, u).squaredNorm();
         if (sum < best.first) best = {sum, u};
       }
@@ -214,16 +215,16 @@ std::vector<Unknowns> beginnings(const Line& line, const Scales& scales) {
   }
   std::ranges::sort(of_masses, {}, &std::pair<double, Unknowns>::first);
   std::vector<Unknowns> out;
-  for (std::size_t i = 0; i < std::min(kKept, of_masses.size()); ++i) out.push_back(of_masses[i].second);
+  for (std::size_t i = 0; i < std::min(kept, of_masses.size()); ++i) out.push_back(of_masses[i].second);
   return out;
 }
 
 std::pair<double, Unknowns> fit_from(const Line& line, const Scales& scales, Unknowns u) {
   double sum = residuals(line, scales, u).squaredNorm();
   double damping = 1e-3;
-  constexpr int kMostSteps = 60;
-  constexpr double kSmallest = 1e-10;  // relative gain that ends it
-  for (int step = 0; step < kMostSteps; ++step) {
+  constexpr int most_steps = 60;
+  constexpr double smallest = 1e-10;  // relative gain that ends it
+  for (int step = 0; step < most_steps; ++step) {
     const Eigen::VectorXd now = residuals(line, scales, u);
     const Eigen::MatrixXd slope = slopes(line, scales, u);
     Eigen::MatrixXd normal = slope.transpose() * slope;
@@ -240,7 +241,7 @@ std::pair<double, Unknowns> fit_from(const Line& line, const Scales& scales, Unk
       sum = there;
     }
     damping *= 0.02;
-    if (gained < kSmallest) break;
+    if (gained < smallest) break;
   }
   return {sum, u};
 }
@@ -255,7 +256,7 @@ Unknowns fit(const Line& line, const Scales& scales) {
 }
 
 void explain(DeviceFit& out, const recording::Recording& recording, const std::array<double, 4>& parts) {
-  constexpr double kSomethingElse = 0.1;
+  constexpr double something_else = 0.1;
   out.resolution_m = resolution_of(recording);
   const double steps_m2 = std::pow(out.resolution_m, 2) / 12.0;
   out.unexplained = std::sqrt(std::max(0.0, std::pow(out.residual_m, 2) - steps_m2)) / out.moved_m;
@@ -263,7 +264,7 @@ void explain(DeviceFit& out, const recording::Recording& recording, const std::a
   const std::array<std::string_view, 4> names{"inertia", "viscous friction", "dry friction", "latency"};
   const double whole = std::reduce(parts.begin(), parts.end());
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    if (out.unexplained > kSomethingElse) figures[i]->determined = false;
+    if (out.unexplained > something_else) figures[i]->determined = false;
     DeviceEffect effect{names[i], Named::cannot_tell, whole > 0.0 ? parts[i] / whole : 0.0};
     if (figures[i]->determined) effect.named = figures[i]->negligible ? Named::negligible : Named::present;
     out.effects.push_back(effect);
@@ -285,30 +286,30 @@ DeviceFit fit_device(const recording::Recording& recording) {
   const double correlation = left.squaredNorm() > 0.0 ? std::clamp(next / left.squaredNorm(), 0.0, 0.99) : 0.0;
   const double variance = left.squaredNorm() / samples * (1.0 + correlation) / (1.0 - correlation);
   const Eigen::MatrixXd inverse =
-      LeastSquares(slope.transpose() * slope).solve(Eigen::MatrixXd::Identity(kUnknowns, kUnknowns));
+      LeastSquares(slope.transpose() * slope).solve(Eigen::MatrixXd::Identity(unknown_count, unknown_count));
 
   DeviceFit out;
   out.period_s = line.period_s;
   out.residual_m = std::sqrt(left.squaredNorm() / samples);
   out.moved_m = line.moved_m;
   out.samples = line.x_m.size();
-  constexpr double kNegligible = 0.01;
+  constexpr double negligible_share = 0.01;
   const auto figure = [&](int i, double scale) {
     FittedFigure own;
     own.value = u[i] * scale;
-    own.error95 = kNormal95 * std::sqrt(std::max(0.0, variance * inverse(i, i))) * scale;
-    own.negligible = own.value + own.error95 < kNegligible * scale;
+    own.error95 = normal95 * std::sqrt(std::max(0.0, variance * inverse(i, i))) * scale;
+    own.negligible = own.value + own.error95 < negligible_share * scale;
     own.determined = own.negligible || own.error95 < own.value;
     return own;
   };
-  out.mass_kg = figure(kLogMass, 1.0);
-  out.mass_kg.value = std::exp(u[kLogMass]);
+  out.mass_kg = figure(log_mass_index, 1.0);
+  out.mass_kg.value = std::exp(u[log_mass_index]);
   out.mass_kg.error95 *= out.mass_kg.value;
   out.mass_kg.negligible = false;
   out.mass_kg.determined = out.mass_kg.error95 < 0.5 * out.mass_kg.value;
-  out.damping_N_s_per_m = figure(kViscous, scales.damping_N_s_per_m);
-  out.friction_N = figure(kDry, scales.friction_N);
-  out.latency_s = figure(kLate, scales.latency_s);
+  out.damping_N_s_per_m = figure(viscous_index, scales.damping_N_s_per_m);
+  out.friction_N = figure(dry_index, scales.friction_N);
+  out.latency_s = figure(late_index, scales.latency_s);
   explain(out, recording, parts_of(line, scales, u));
   return out;
 }

@@ -40,7 +40,7 @@ class Shaking final : public rendering::Renderer {
 struct FitScale {
   double mass_kg, period_s, stiffness, force_N;
 };
-const std::vector<FitScale> kFitScales{{0.05, 1e-3, 100.0, 2.0}, {0.3, 5e-4, 2000.0, 10.0}, {2.0, 1e-2, 40.0, 5.0}};
+const std::vector<FitScale> fit_scales{{0.05, 1e-3, 100.0, 2.0}, {0.3, 5e-4, 2000.0, 10.0}, {2.0, 1e-2, 40.0, 5.0}};
 
 LoopParameters device_of(const FitScale& scale, double latency) {
   LoopParameters own;
@@ -70,7 +70,7 @@ recording::Recording recorded(rendering::Renderer& renderer, const LoopParameter
 double error(const FittedFigure& figure, double truth) { return figure.value / truth - 1.0; }
 
 TEST(DeviceFit, FindsMassFrictionAndLatencyThroughTheEncoder) {
-  for (const FitScale& scale : kFitScales) {
+  for (const FitScale& scale : fit_scales) {
     for (const double latency : {0.0, 1.7, 4.2}) {
       const LoopParameters own = device_of(scale, latency);
       Shaking renderer(scale.stiffness, scale.force_N);
@@ -93,7 +93,7 @@ TEST(DeviceFit, FindsMassFrictionAndLatencyThroughTheEncoder) {
 
 // Let go beside a soft spring, damping and latency do nearly the same to a slow swing: their errors say so.
 TEST(DeviceFit, OfAReleaseTheErrorsSayWhatIsNotKnown) {
-  for (const FitScale& scale : kFitScales) {
+  for (const FitScale& scale : fit_scales) {
     const LoopParameters own = device_of(scale, 1.7);
     LinearWall spring(scale.stiffness, 10.0 * scale.force_N / scale.stiffness);
     const DeviceFit fit = fit_device(recorded(spring, own));
@@ -136,16 +136,16 @@ struct SmallSteps {
     std::array<double, 4> parts_N2{};  // inertia, viscous, dry, latency: sums of squares
   };
   [[nodiscard]] Shown run(double period_s, double force_N, double resolution_m) const {
-    constexpr int kSteps = 100;
-    const double step_s = period_s / kSteps;
-    const auto late_steps = std::llround(latency_periods * kSteps);
+    constexpr int steps = 100;
+    const double step_s = period_s / steps;
+    const auto late_steps = std::llround(latency_periods * steps);
     Random random(11);
     std::vector<double> commanded_N;
     double x = 0.0, v = 0.0, sign = 1.0;
     Shown out;
     out.recording.source = "small steps";
     const auto acting = [&](std::int64_t step) {
-      return commanded_N[static_cast<std::size_t>(std::max<std::int64_t>(step - late_steps, 0) / kSteps)];
+      return commanded_N[static_cast<std::size_t>(std::max<std::int64_t>(step - late_steps, 0) / steps)];
     };
     for (std::int64_t k = 0; k < 1500; ++k) {
       const double measured = resolution_m * std::round(x / resolution_m);
@@ -154,9 +154,9 @@ struct SmallSteps {
       out.recording.motion.t_s.push_back(static_cast<double>(k) * period_s);
       out.recording.motion.p_W_m.emplace_back(0.02, measured, -0.01);
       out.recording.f_W_N.emplace_back(0.0, commanded_N.back(), 0.0);
-      for (int i = 0; i < kSteps; ++i) {
-        const double t = (static_cast<double>(k) + static_cast<double>(i) / kSteps) * period_s;
-        const double f = acting(k * kSteps + i);
+      for (int i = 0; i < steps; ++i) {
+        const double t = (static_cast<double>(k) + static_cast<double>(i) / steps) * period_s;
+        const double f = acting(k * steps + i);
         const double a = acceleration(f, x, v, t), viscous = damping_N_s_per_m * v;
         const std::array parts{mass_kg * a, viscous, f - mass_kg * a - viscous, commanded_N.back() - f};
         for (std::size_t n = 0; n < parts.size(); ++n) out.parts_N2[n] += parts[n] * parts[n];

@@ -7,7 +7,7 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr double kLargestMargin = 1024.0;
+constexpr double largest_margin = 1024.0;
 
 double margin_of(rendering::Renderer& renderer, const MotionColumns& path, LoopParameters own, Verdict verdict,
                  const perception::Thresholds& thresholds) {
@@ -19,10 +19,10 @@ double margin_of(rendering::Renderer& renderer, const MotionColumns& path, LoopP
   // From 1 in factors of 2 to where it changes, so that long paths are run a few times only.
   double edge = 1.0;
   if (verdict == Verdict::stable) {
-    while (edge < kLargestMargin && stable(2.0 * edge)) edge *= 2.0;
-    return edge >= kLargestMargin ? edge : largest_stable(edge, 2.0 * edge, stable);
+    while (edge < largest_margin && stable(2.0 * edge)) edge *= 2.0;
+    return edge >= largest_margin ? edge : largest_stable(edge, 2.0 * edge, stable);
   }
-  while (edge > 1.0 / kLargestMargin) {
+  while (edge > 1.0 / largest_margin) {
     edge *= 0.5;
     if (stable(edge)) return largest_stable(edge, 2.0 * edge, stable);
   }
@@ -31,8 +31,8 @@ double margin_of(rendering::Renderer& renderer, const MotionColumns& path, LoopP
 
 // The larger, the worse.
 double badness(const MassRun& run) {
-  constexpr double kUnstable = 1e6;
-  return run.judgement.buzz.jnd + (run.judgement.verdict == Verdict::unstable ? kUnstable : 0.0);
+  constexpr double unstable_ratio = 1e6;
+  return run.judgement.buzz.jnd + (run.judgement.verdict == Verdict::unstable ? unstable_ratio : 0.0);
 }
 
 std::string sentence_of(const LoopEvaluation& evaluation) {

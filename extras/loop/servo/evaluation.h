@@ -42,7 +42,7 @@ Judgement judge_loop(rendering::Renderer& renderer, const MotionColumns& path, c
 // The largest value from `low` to `high` for which `stable` holds, to 3 %, sought from above in factors of 2; 0: none.
 template <class Stable>
 double largest_stable(double low, double high, const Stable& stable) {
-  constexpr double kRatio = 1.03;
+  constexpr double ratio = 1.03;
   if (stable(high)) return high;
   double below = high;
   do {
@@ -50,7 +50,7 @@ double largest_stable(double low, double high, const Stable& stable) {
     high = below;
     below = std::max(low, 0.5 * below);
   } while (!stable(below));
-  while (high > kRatio * below) {
+  while (high > ratio * below) {
     const double middle = std::sqrt(below * high);
     (stable(middle) ? below : high) = middle;
   }

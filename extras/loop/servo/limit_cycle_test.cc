@@ -13,7 +13,7 @@ namespace {
 struct CycleScale {
   double mass_kg, period_s, step_m;
 };
-const std::vector<CycleScale> kCycleScales{{0.05, 1e-3, 5e-5}, {0.4, 2.5e-4, 1e-6}, {2.0, 1e-2, 1e-3}};
+const std::vector<CycleScale> cycle_scales{{0.05, 1e-3, 5e-5}, {0.4, 2.5e-4, 1e-6}, {2.0, 1e-2, 1e-3}};
 
 LoopParameters with_steps(const CycleScale& scale, double b_T_per_m, double latency_periods) {
   LoopParameters own;
@@ -47,7 +47,7 @@ struct Errors {
 // sooner or later than the mean that describing functions know of.
 TEST(LimitCycle, AWallInTheMiddleOfAStepSettlesAtThePredictedVibration) {
   Errors worst;
-  for (const CycleScale& scale : kCycleScales) {
+  for (const CycleScale& scale : cycle_scales) {
     for (const double latency : {6.3, 12.6}) {
       for (const double share : {0.85, 0.95}) {
         const LoopParameters own = with_steps(scale, 0.01, latency);
@@ -87,7 +87,7 @@ double relay_frequency_rad_per_s(const LoopParameters& own) {
 
 TEST(LimitCycle, AWallAtTheEdgeOfAStepAlwaysVibrates) {
   Errors worst;
-  for (const CycleScale& scale : kCycleScales) {
+  for (const CycleScale& scale : cycle_scales) {
     for (const double share : {0.2, 0.4, 0.7}) {
       const LoopParameters own = with_steps(scale, 0.01, 9.5);
       const double stiffness = share * critical_gain(own)->stiffness_N_per_m;
@@ -106,7 +106,7 @@ TEST(LimitCycle, AWallAtTheEdgeOfAStepAlwaysVibrates) {
 // what the stiffness needs.
 TEST(LimitCycle, FrictionHoldsAnUnstableWallUpToThePredictedAmplitude) {
   double worst = 0.0;
-  for (const CycleScale& scale : kCycleScales) {
+  for (const CycleScale& scale : cycle_scales) {
     for (const double share : {1.5, 3.0}) {
       LoopParameters own = with_steps(scale, 0.01, 0.0);
       own.resolution_m = 0.0;

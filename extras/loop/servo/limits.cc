@@ -13,8 +13,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLargest_N_per_m = 1e7;
-constexpr double kSmallest_N_per_m = 1e-3;
+constexpr double largest_N_per_m = 1e7;
+constexpr double smallest_N_per_m = 1e-3;
 
 // The plant from the commanded force to the position, with its states x, v and, with a lag, f.
 struct Plant {
@@ -155,17 +155,17 @@ Mode dominant_mode(const LoopParameters& parameters, double stiffness_N_per_m) {
 
 std::optional<CriticalGain> critical_gain(const LoopParameters& parameters) {
   const auto stable = [&](double k) { return dominant_mode(parameters, k).modulus < 1.0; };
-  double low = kSmallest_N_per_m;
+  double low = smallest_N_per_m;
   if (!stable(low)) return std::nullopt;
   double high = low;
-  constexpr double kStep = 1.25;
+  constexpr double step_factor = 1.25;
   while (stable(high)) {
     low = high;
-    high *= kStep;
-    if (high > kLargest_N_per_m) return std::nullopt;
+    high *= step_factor;
+    if (high > largest_N_per_m) return std::nullopt;
   }
-  constexpr int kHalvings = 60;
-  for (int i = 0; i < kHalvings; ++i) {
+  constexpr int halvings = 60;
+  for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (low + high);
     (stable(middle) ? low : high) = middle;
   }
@@ -190,8 +190,8 @@ std::optional<LimitCycle> limit_cycle(const LoopParameters& parameters, double s
     LoopParameters own = parameters;
     std::optional<CriticalGain> critical;
     double w = std::sqrt((own.axis.hand_stiffness_N_per_m + stiffness_N_per_m) / own.axis.mass_kg);
-    constexpr int kRefinements = 4;  // the frequency hardly depends on the amplitude
-    for (int i = 0; i < kRefinements && w > 0.0; ++i) {
+    constexpr int refinements = 4;  // the frequency hardly depends on the amplitude
+    for (int i = 0; i < refinements && w > 0.0; ++i) {
       own.axis.damping_N_s_per_m =
           parameters.axis.damping_N_s_per_m + 4.0 * friction_N / (std::numbers::pi * amplitude_m * w);
       critical = critical_gain(own);
@@ -200,9 +200,9 @@ std::optional<LimitCycle> limit_cycle(const LoopParameters& parameters, double s
     return critical;
   };
   // From large amplitudes down: where the gain K N(A) comes to exceed the critical one.
-  constexpr double kLargest = 200.0, kFactor = 0.9;  // in steps of the encoder
-  double outer_m = kLargest * step_m;
-  for (double a_m = outer_m; a_m > 0.5 * step_m; a_m *= kFactor) {
+  constexpr double largest = 200.0, factor = 0.9;  // in steps of the encoder
+  double outer_m = largest * step_m;
+  for (double a_m = outer_m; a_m > 0.5 * step_m; a_m *= factor) {
     const auto critical = critical_at(a_m);
     if (!critical) return std::nullopt;
     const bool grows = stiffness_N_per_m * quantiser_gain(a_m, step_m) > critical->stiffness_N_per_m;
@@ -210,10 +210,10 @@ std::optional<LimitCycle> limit_cycle(const LoopParameters& parameters, double s
       outer_m = a_m;
       continue;
     }
-    if (a_m == kLargest * step_m) return std::nullopt;  // it grows beyond all steps
+    if (a_m == largest * step_m) return std::nullopt;  // it grows beyond all steps
     double inner_m = a_m;
-    constexpr int kHalvings = 40;
-    for (int i = 0; i < kHalvings; ++i) {
+    constexpr int halvings = 40;
+    for (int i = 0; i < halvings; ++i) {
       const double middle_m = 0.5 * (inner_m + outer_m);
       const auto at = critical_at(middle_m);
       const bool still = at && stiffness_N_per_m * quantiser_gain(middle_m, step_m) > at->stiffness_N_per_m;

@@ -15,7 +15,7 @@ namespace {
 struct WallScale {
   double mass_kg, period_s;
 };
-const std::vector<WallScale> kWallScales{{0.05, 1e-3}, {0.4, 2.5e-4}, {2.0, 1e-2}};
+const std::vector<WallScale> wall_scales{{0.05, 1e-3}, {0.4, 2.5e-4}, {2.0, 1e-2}};
 
 LoopParameters loop(const WallScale& scale, double b_T_per_m) {
   LoopParameters own;
@@ -44,7 +44,7 @@ struct Variant {
   const char* name;
   void (*change)(LoopParameters&);
 };
-const std::vector<Variant> kVariants{
+const std::vector<Variant> variants{
     {"bare", [](LoopParameters&) {}},
     {"latency of a third of a period", [](LoopParameters& own) { own.latency_s = own.period_s / 3.0; }},
     {"latency of 2.5 periods", [](LoopParameters& own) { own.latency_s = 2.5 * own.period_s; }},
@@ -64,9 +64,9 @@ const std::vector<Variant> kVariants{
 
 TEST(Limits, TheSimulationTurnsUnstableWhereTheEigenvaluesDo) {
   double worst = 0.0;
-  for (const WallScale& scale : kWallScales) {
+  for (const WallScale& scale : wall_scales) {
     for (const double b : {0.02, 0.1}) {
-      for (const Variant& variant : kVariants) {
+      for (const Variant& variant : variants) {
         LoopParameters own = loop(scale, b);
         variant.change(own);
         const auto critical = critical_gain(own);
@@ -80,13 +80,13 @@ TEST(Limits, TheSimulationTurnsUnstableWhereTheEigenvaluesDo) {
       }
     }
   }
-  fmt::print("largest error of {} boundaries: {:.1e}\n", 6 * kVariants.size(), worst);
+  fmt::print("largest error of {} boundaries: {:.1e}\n", 6 * variants.size(), worst);
   EXPECT_LT(worst, 1e-4);
 }
 
 TEST(Limits, TheLinearConditionHoldsWhileMassAndPeriodAllow) {
   double worst = 0.0;
-  for (const WallScale& scale : kWallScales) {
+  for (const WallScale& scale : wall_scales) {
     for (const double b : {0.001, 0.005}) {
       for (const double virtual_share : {0.0, 1.0, 4.0}) {
         for (const double latency : {0.0, 1.0, 3.0}) {
@@ -138,7 +138,7 @@ double gained_share(const LoopParameters& own, double stiffness) {
 
 TEST(Limits, BelowColgatesLimitNoHandMakesTheWallUnstable) {
   double worst_modulus = 0.0, worst_hand = 1e9;
-  for (const WallScale& scale : kWallScales) {
+  for (const WallScale& scale : wall_scales) {
     for (const double b : {0.01, 0.05, 0.2}) {
       for (const double share : {0.0, 0.3, 0.8}) {
         LoopParameters own = loop(scale, b);
@@ -173,7 +173,7 @@ TEST(Limits, BelowColgatesLimitNoHandMakesTheWallUnstable) {
 
 // A hand that leads the tip to and fro between two places, straight, once a period: Colgate's limit is exact for it.
 TEST(Limits, AHandThatMovesOnceAPeriodGetsEnergyFromColgatesLimitOn) {
-  for (const WallScale& scale : kWallScales) {
+  for (const WallScale& scale : wall_scales) {
     LoopParameters own = loop(scale, 50.0);  // hardly any mass, and the hand's damper is strong: the tip is led
     own.axis.hand_damping_N_s_per_m = 1000.0 * own.axis.damping_N_s_per_m;
     MotionColumns path;
@@ -194,7 +194,7 @@ TEST(Limits, AHandThatMovesOnceAPeriodGetsEnergyFromColgatesLimitOn) {
 }
 
 TEST(Limits, APassiveWallOnAPassiveDeviceNeverGivesTheHandEnergy) {
-  for (const WallScale& scale : kWallScales) {
+  for (const WallScale& scale : wall_scales) {
     LoopParameters own = loop(scale, 0.05);
     own.axis.hand_damping_N_s_per_m = 0.02 * scale.mass_kg / scale.period_s;
     own.axis.hand_stiffness_N_per_m = 0.3 * scale.mass_kg / std::pow(scale.period_s, 2);
@@ -222,7 +222,7 @@ Struck strike(const LoopParameters& own, double stiffness, double amplitude_m) {
 }
 
 TEST(Limits, TheFourRegionsOfSamplingAndQuantisation) {
-  for (const WallScale& scale : kWallScales) {
+  for (const WallScale& scale : wall_scales) {
     for (const double K_T_over_2b : {0.6, 3.0}) {
       for (const double K_step_over_2F : {0.5, 5.0}) {
         LoopParameters own = loop(scale, 0.02);

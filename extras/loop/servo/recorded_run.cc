@@ -14,9 +14,9 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr double kCoarse_s = 4e-3;           // contact lasts longer
-constexpr std::size_t kCoarseSamples = 400;  // of the recording, for the coarse search
-constexpr double kLeastShare = 0.5;          // of the recording, within the path
+constexpr double coarse_s = 4e-3;            // contact lasts longer
+constexpr std::size_t coarse_samples = 400;  // of the recording, for the coarse search
+constexpr double least_share = 0.5;          // of the recording, within the path
 
 // A series of a trace between its samples; nothing outside of it.
 std::optional<Vec3> at(const std::vector<double>& t_s, const std::vector<Vec3>& series, double time_s) {
@@ -38,7 +38,7 @@ double misfit_m2(const LoopTrace& run, const recording::Recording& recording, do
     sum += (*simulated - recording.motion.p_W_m[i]).squaredNorm();
     ++compared;
   }
-  if (static_cast<double>(compared) < kLeastShare * static_cast<double>(tried))
+  if (static_cast<double>(compared) < least_share * static_cast<double>(tried))
     return std::numeric_limits<double>::infinity();
   return sum / static_cast<double>(compared);
 }
@@ -46,11 +46,11 @@ double misfit_m2(const LoopTrace& run, const recording::Recording& recording, do
 double best_shift_s(const LoopTrace& run, const recording::Recording& recording) {
   const double path_s = run.t_s.back() - run.t_s.front();
   const double recorded_s = recording.motion.t_s.back() - recording.motion.t_s.front();
-  const double first = run.t_s.front() - recording.motion.t_s.back() + kLeastShare * recorded_s;
-  const double last = run.t_s.back() - recording.motion.t_s.front() - kLeastShare * recorded_s;
-  const std::size_t every = std::max<std::size_t>(1, recording.size() / kCoarseSamples);
+  const double first = run.t_s.front() - recording.motion.t_s.back() + least_share * recorded_s;
+  const double last = run.t_s.back() - recording.motion.t_s.front() - least_share * recorded_s;
+  const std::size_t every = std::max<std::size_t>(1, recording.size() / coarse_samples);
   double best = first, least = std::numeric_limits<double>::infinity();
-  for (double shift_s = first; shift_s <= last; shift_s += kCoarse_s) {
+  for (double shift_s = first; shift_s <= last; shift_s += coarse_s) {
     stop_if_asked();
     const double misfit = misfit_m2(run, recording, shift_s, every);
     if (misfit < least) best = shift_s, least = misfit;
@@ -60,10 +60,10 @@ double best_shift_s(const LoopTrace& run, const recording::Recording& recording)
         "{}: it lasts {:g} s and the path {:g} s: half of the recording or more was expected to lie within the path",
         recording.source, recorded_s, path_s));
   }
-  constexpr int kBits = 24;
+  constexpr int bits = 24;
   return boost::math::tools::brent_find_minima(
-             [&](double shift_s) { return std::min(misfit_m2(run, recording, shift_s, 1), 1e9); }, best - kCoarse_s,
-             best + kCoarse_s, kBits)
+             [&](double shift_s) { return std::min(misfit_m2(run, recording, shift_s, 1), 1e9); }, best - coarse_s,
+             best + coarse_s, bits)
       .first;
 }
 

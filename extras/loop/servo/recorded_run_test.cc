@@ -24,8 +24,8 @@ struct HeldDevice {
 
   // What is recorded from `start_s` of the hand's time on; the recording's clock begins at 100 s.
   [[nodiscard]] recording::Recording recorded(double start_s, double seconds) const {
-    constexpr int kSteps = 20;
-    const double h = period_s / kSteps;
+    constexpr int steps = 20;
+    const double h = period_s / steps;
     Vec3 x = meant_W_m(0.0), v = (meant_W_m(h) - x) / h;
     std::deque<Vec3> due(static_cast<std::size_t>(late_periods), Vec3::Zero());
     recording::Recording out;
@@ -46,7 +46,7 @@ struct HeldDevice {
                      hand_damping_N_s_per_m * (speed - meant_m_per_s)) /
                     mass_kg);
       };
-      for (int i = 0; i < kSteps; ++i) {
+      for (int i = 0; i < steps; ++i) {
         const double t = begin_s + i * h;
         const Vec3 a1 = acceleration(x, v, t), v2 = v + 0.5 * h * a1;
         const Vec3 a2 = acceleration(x + 0.5 * h * v, v2, t + 0.5 * h), v3 = v + 0.5 * h * a2;
@@ -74,9 +74,9 @@ struct HeldDevice {
 };
 
 // A quiet wall; one that rings after each touch; a heavy device at another rate.
-const std::array kHeld{HeldDevice{0.1, 0.0, 6.0, 300.0, 400.0, 1e-3, 1},
-                       HeldDevice{0.1, 0.5, 3.0, 300.0, 1500.0, 1e-3, 1},
-                       HeldDevice{0.8, 1.0, 8.0, 500.0, 900.0, 5e-4, 2}};
+const std::array held_devices{HeldDevice{0.1, 0.0, 6.0, 300.0, 400.0, 1e-3, 1},
+                              HeldDevice{0.1, 0.5, 3.0, 300.0, 1500.0, 1e-3, 1},
+                              HeldDevice{0.8, 1.0, 8.0, 500.0, 900.0, 5e-4, 2}};
 
 RecordedComparison compared(const HeldDevice& simulated, const recording::Recording& recording) {
   MotionColumns path;
@@ -90,7 +90,7 @@ RecordedComparison compared(const HeldDevice& simulated, const recording::Record
 }
 
 TEST(RecordedRun, IsWhatTheSimulationSaysAtTheTimeThatFits) {
-  for (const HeldDevice& held : kHeld) {
+  for (const HeldDevice& held : held_devices) {
     const RecordedComparison own = compared(held, held.recorded(1.3, 4.0));
     fmt::print("{} kg: {}\n", held.mass_kg, own.sentence);
     EXPECT_TRUE(own.agrees) << own.sentence;
@@ -102,7 +102,7 @@ TEST(RecordedRun, IsWhatTheSimulationSaysAtTheTimeThatFits) {
 }
 
 TEST(RecordedRun, DiffersIfTheDeviceIsAnother) {
-  const HeldDevice& right = kHeld[1];
+  const HeldDevice& right = held_devices[1];
   HeldDevice late = right, heavy = right, stiff = right;
   late.late_periods = 4;
   heavy.mass_kg *= 3.0;
@@ -114,10 +114,10 @@ TEST(RecordedRun, DiffersIfTheDeviceIsAnother) {
 }
 
 TEST(RecordedRun, RefusesWhatThePathDoesNotCover) {
-  EXPECT_THROW(compared(kHeld[0], kHeld[0].recorded(0.0, 30.0)), BadData);
-  recording::Recording forceless = kHeld[0].recorded(0.0, 3.0);
+  EXPECT_THROW(compared(held_devices[0], held_devices[0].recorded(0.0, 30.0)), BadData);
+  recording::Recording forceless = held_devices[0].recorded(0.0, 3.0);
   forceless.f_W_N.clear();
-  EXPECT_THROW(compared(kHeld[0], forceless), BadData);
+  EXPECT_THROW(compared(held_devices[0], forceless), BadData);
 }
 
 }  // namespace

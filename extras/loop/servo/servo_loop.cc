@@ -15,13 +15,13 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr double kFastestInAPeriod = 1e6;
-constexpr double kMostPeriods = 1e7;         // what fits in memory
-constexpr double kBeyondWorkspace_m = 10.0;  // from where the hand means to be; devices reach 0.2 m
+constexpr double fastest_in_a_period = 1e6;
+constexpr double most_periods = 1e7;         // what fits in memory
+constexpr double beyond_workspace_m = 10.0;  // from where the hand means to be; devices reach 0.2 m
 
 // Times in quanta of a period.
 std::int64_t quanta_of(double time_s, double period_s) {
-  return static_cast<std::int64_t>(std::llround(time_s / period_s * static_cast<double>(kPeriodQuanta)));
+  return static_cast<std::int64_t>(std::llround(time_s / period_s * static_cast<double>(period_quanta)));
 }
 
 void check(const LoopParameters& own, const MotionColumns& path) {
@@ -52,16 +52,16 @@ void check(const LoopParameters& own, const MotionColumns& path) {
   const double fastest_per_s =
       std::max({(own.axis.damping_N_s_per_m + own.axis.hand_damping_N_s_per_m) / own.axis.mass_kg,
                 std::sqrt(own.axis.hand_stiffness_N_per_m / own.axis.mass_kg), lag_s > 0.0 ? 1.0 / lag_s : 0.0});
-  if (!(fastest_per_s * own.period_s <= kFastestInAPeriod)) {
+  if (!(fastest_per_s * own.period_s <= fastest_in_a_period)) {
     throw UsageError(
         fmt::format("hand and device are as fast as {:.3g} times in a period: at most {:.0g} was expected; "
                     "more mass, or less damping, stiffness or bandwidth",
-                    fastest_per_s * own.period_s, kFastestInAPeriod));
+                    fastest_per_s * own.period_s, fastest_in_a_period));
   }
   const double periods = (path.t_s.back() - path.t_s.front()) / own.period_s;
-  if (!(periods <= kMostPeriods)) {
+  if (!(periods <= most_periods)) {
     throw UsageError(fmt::format("the path lasts {} s, which is {:.3g} periods of {} s: at most {:.0g} was expected",
-                                 path.t_s.back() - path.t_s.front(), periods, own.period_s, kMostPeriods));
+                                 path.t_s.back() - path.t_s.front(), periods, own.period_s, most_periods));
   }
 }
 
@@ -179,9 +179,9 @@ class Loop {
 
  private:
   [[nodiscard]] std::vector<std::int64_t> frequent() const {
-    const std::int64_t part = latency_ % kPeriodQuanta;
+    const std::int64_t part = latency_ % period_quanta;
     if (part == 0 || own_.jitter_s > 0.0) return {};
-    return {part, kPeriodQuanta - part};
+    return {part, period_quanta - part};
   }
   AxisMotion& axis(int i) { return axes_[static_cast<std::size_t>(i)]; }
 
@@ -189,11 +189,11 @@ class Loop {
   void period(std::size_t k, const Quat& q_WS, bool keep, LoopTrace& trace) {
     now_ = 0;
     const auto late = own_.jitter_s > 0.0 ? quanta_of(random_.uniform(0.0, own_.jitter_s), own_.period_s) : 0;
-    go_on_until(std::min(late, kPeriodQuanta - 1));
+    go_on_until(std::min(late, period_quanta - 1));
     sample(k, q_WS, keep, trace);
     if (trace.left_at_s) return;
-    go_on_until(kPeriodQuanta);
-    for (Due& due : due_) due.at -= kPeriodQuanta;
+    go_on_until(period_quanta);
+    for (Due& due : due_) due.at -= period_quanta;
   }
 
   void go_on_until(std::int64_t end) {
@@ -212,11 +212,11 @@ class Loop {
   }
 
   void sample(std::size_t k, const Quat& q_WS, bool keep, LoopTrace& trace) {
-    const double since_s = static_cast<double>(now_) * (own_.period_s / static_cast<double>(kPeriodQuanta));
+    const double since_s = static_cast<double>(now_) * (own_.period_s / static_cast<double>(period_quanta));
     const double t_s = path_.t_s(k) + since_s;
     const Vec3 intended_W_m = intended_W_m_ + since_s * intended_m_per_s_;
     const Vec3 away_m(axis(0).deviation_m(), axis(1).deviation_m(), axis(2).deviation_m());
-    if (!(away_m.norm() < kBeyondWorkspace_m)) {
+    if (!(away_m.norm() < beyond_workspace_m)) {
       trace.left_at_s = t_s;
       return;
     }
@@ -278,13 +278,13 @@ LoopTrace run_loop(rendering::Renderer& renderer, const MotionColumns& path, con
 
 LoopTrace run_ideal_loop(rendering::Renderer& renderer, const MotionColumns& path, LoopParameters parameters,
                          double resolution_m) {
-  parameters.period_s /= static_cast<double>(kIdealRate);
+  parameters.period_s /= static_cast<double>(ideal_rate);
   parameters.latency_s = parameters.jitter_s = 0.0;
   parameters.resolution_m = resolution_m;
   parameters.exact_velocity = true;
   parameters.axis.actuator_time_constant_s = 0.0;
   parameters.velocity_cutoff_Hz = std::numeric_limits<double>::infinity();
-  return run_loop(renderer, path, parameters, kIdealRate);
+  return run_loop(renderer, path, parameters, ideal_rate);
 }
 
 LoopTrace run_open(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters) {

@@ -62,10 +62,10 @@ struct LoopTrace {
 LoopTrace run_loop(rendering::Renderer& renderer, const MotionColumns& path, const LoopParameters& parameters,
                    std::size_t keep_every = 1);
 
-// The same hand and device under a servo that is `kIdealRate` times as fast, without latency and lag, its velocity
+// The same hand and device under a servo that is `ideal_rate` times as fast, without latency and lag, its velocity
 // exact: what is left is the renderer's own. With `resolution_m` above 0 positions are still read in such steps, and
 // what the hand feels of them as it moves is left too. Recorded at the instants of the other.
-inline constexpr std::size_t kIdealRate = 16;
+inline constexpr std::size_t ideal_rate = 16;
 LoopTrace run_ideal_loop(rendering::Renderer& renderer, const MotionColumns& path, LoopParameters parameters,
                          double resolution_m = 0.0);
 

@@ -13,11 +13,11 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr std::string_view kHand = "hand_";
-constexpr std::string_view kVirtualDamping = "virtual_damping_N_s_per_m";
+constexpr std::string_view hand_prefix = "hand_";
+constexpr std::string_view virtual_damping = "virtual_damping_N_s_per_m";
 // Of devices whose mass is not published: from that of the lightest published one on, in doublings.
-constexpr std::array kTriedMasses_kg{0.05, 0.1, 0.2, 0.4, 0.8};
-constexpr double kCustomaryPeriod_s = 1e-3;
+constexpr std::array tried_masses_kg{0.05, 0.1, 0.2, 0.4, 0.8};
+constexpr double customary_period_s = 1e-3;
 
 using Values = std::map<std::string, double, std::less<>>;
 
@@ -48,10 +48,11 @@ void check_names(const Values& set) {
 
 void check_grip(const Values& set, const DataSheet& grip) {
   for (const FigureEntry& entry : grip_entries()) {
-    if (has(set, kHand, grip, entry.name)) continue;
+    if (has(set, hand_prefix, grip, entry.name)) continue;
     const auto why = grip.not_published.find(entry.name);
     throw UsageError(fmt::format("grip {}: no {} [{}]{}; give it: --set {}{}=VALUE", grip.name, entry.name, entry.unit,
-                                 why == grip.not_published.end() ? "" : " (" + why->second + ")", kHand, entry.name));
+                                 why == grip.not_published.end() ? "" : " (" + why->second + ")", hand_prefix,
+                                 entry.name));
   }
 }
 
@@ -61,7 +62,7 @@ std::vector<std::string> assumptions(const Values& set, const DataSheet& device)
     if (!has(set, "", device, name)) out.push_back(fmt::format("{}: {}", name, what));
   };
   assume("mass_kg",
-         fmt::format("not published; {} to {} kg are tried", kTriedMasses_kg.front(), kTriedMasses_kg.back()));
+         fmt::format("not published; {} to {} kg are tried", tried_masses_kg.front(), tried_masses_kg.back()));
   assume("damping_N_s_per_m", "not published; none, which is the worst case");
   assume("friction_N", "not published; none, which is the worst case");
   assume("resolution_m", "not published; positions are exact");
@@ -78,8 +79,8 @@ std::vector<std::string> assumptions(const Values& set, const DataSheet& device)
 std::vector<std::string> names_to_set() {
   std::vector<std::string> names;
   for (const FigureEntry& entry : device_entries()) names.emplace_back(entry.name);
-  for (const FigureEntry& entry : grip_entries()) names.push_back(std::string(kHand) + std::string(entry.name));
-  names.emplace_back(kVirtualDamping);
+  for (const FigureEntry& entry : grip_entries()) names.push_back(std::string(hand_prefix) + std::string(entry.name));
+  names.emplace_back(virtual_damping);
   return names;
 }
 
@@ -98,8 +99,8 @@ LoopSetup make_setup(const std::string& device, const std::string& grip, const V
   const auto figure = [&](std::string_view name, double otherwise) {
     return set_or(set, "", out.device, name, otherwise);
   };
-  const auto hand = [&](std::string_view name) { return set_or(set, kHand, out.grip, name, 0.0); };
-  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const auto hand = [&](std::string_view name) { return set_or(set, hand_prefix, out.grip, name, 0.0); };
+  constexpr double no_limit = std::numeric_limits<double>::infinity();
 
   LoopParameters& own = out.parameters;
   own.hand_mass_kg = hand("mass_kg");
@@ -107,22 +108,22 @@ LoopSetup make_setup(const std::string& device, const std::string& grip, const V
   own.axis.hand_stiffness_N_per_m = hand("stiffness_N_per_m");
   own.axis.damping_N_s_per_m = figure("damping_N_s_per_m", 0.0);
   own.axis.friction_N = figure("friction_N", 0.0);
-  const double bandwidth_Hz = figure("actuator_bandwidth_Hz", kNone);
+  const double bandwidth_Hz = figure("actuator_bandwidth_Hz", no_limit);
   own.axis.actuator_time_constant_s = 1.0 / (2.0 * std::numbers::pi * bandwidth_Hz);
   own.resolution_m = figure("resolution_m", 0.0);
-  own.force_limit_N = figure("force_limit_N", kNone);
-  own.period_s = figure("period_s", kCustomaryPeriod_s);
+  own.force_limit_N = figure("force_limit_N", no_limit);
+  own.period_s = figure("period_s", customary_period_s);
   own.latency_s = figure("latency_s", 0.0);
   own.jitter_s = figure("jitter_s", 0.0);
-  own.velocity_cutoff_Hz = figure("velocity_cutoff_Hz", kNone);
-  if (const auto found = set.find(std::string(kVirtualDamping)); found != set.end())
+  own.velocity_cutoff_Hz = figure("velocity_cutoff_Hz", no_limit);
+  if (const auto found = set.find(std::string(virtual_damping)); found != set.end())
     own.virtual_damping_N_s_per_m = found->second;
   own.seed = seed;
 
   if (has(set, "", out.device, "mass_kg")) {
     out.device_masses_kg = {figure("mass_kg", 0.0)};
   } else {
-    out.device_masses_kg.assign(kTriedMasses_kg.begin(), kTriedMasses_kg.end());
+    out.device_masses_kg.assign(tried_masses_kg.begin(), tried_masses_kg.end());
   }
   own.axis.mass_kg = out.device_masses_kg.front() + own.hand_mass_kg;
   out.assumed = assumptions(set, out.device);

@@ -15,17 +15,15 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr double kHalf_m = 5e-3;  // of the tool
-constexpr double kSide_m = 0.05;  // of the object, whose top is z = 0
+constexpr double half_m = 5e-3;  // of the tool
+constexpr double side_m = 0.05;  // of the object, whose top is z = 0
 
-surface::TriangleMesh block() {
-  return surface::box_mesh(Vec3(-kSide_m, -kSide_m, -kSide_m), Vec3(kSide_m, kSide_m, 0.0));
-}
+surface::TriangleMesh block() { return surface::box_mesh(Vec3(-side_m, -side_m, -side_m), Vec3(side_m, side_m, 0.0)); }
 
 // A wall of its own on the block.
 surface::TriangleMesh room(double wall_m) {
   surface::TriangleMesh mesh = block();
-  const surface::TriangleMesh wall = surface::box_mesh(Vec3(wall_m, -kSide_m, 1e-3), Vec3(kSide_m, kSide_m, kSide_m));
+  const surface::TriangleMesh wall = surface::box_mesh(Vec3(wall_m, -side_m, 1e-3), Vec3(side_m, side_m, side_m));
   const int first = static_cast<int>(mesh.vertices_W_m.size());
   mesh.vertices_W_m.insert(mesh.vertices_W_m.end(), wall.vertices_W_m.begin(), wall.vertices_W_m.end());
   for (const auto& [a, b, c] : wall.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
@@ -92,10 +90,10 @@ Difference difference(const LoopTrace& a, const LoopTrace& b) {
 
 TEST(ToolInHand, ABoxOnAPlaneIsTheFlatWallOfItsCoupling) {
   for (const double stiffness : {300.0, 1500.0}) {
-    ToolInHand box = held(testing::cube(kHalf_m), "god-object-tool", stiffness);
-    FlatWall wall(stiffness, kHalf_m);
+    ToolInHand box = held(testing::cube(half_m), "god-object-tool", stiffness);
+    FlatWall wall(stiffness, half_m);
     const LoopParameters own = with_every_effect();
-    const MotionColumns path = press(own, kHalf_m, -0.01, 0.01);
+    const MotionColumns path = press(own, half_m, -0.01, 0.01);
     const Difference found = difference(run_loop(box, path, own), run_loop(wall, path, own));
     fmt::print("box on a plane, {} N/m: tip within {:.1e} m, force within {:.1e} of {:.2f} N\n", stiffness, found.tip_m,
                found.force_N, found.largest_N);
@@ -112,8 +110,8 @@ TEST(ToolInHand, ABoxIsStableUpToTheLimitOfItsCoupling) {
       late.latency_s = latency_s;
       const double critical = critical_gain(late)->stiffness_N_per_m;
       for (const auto& [share, verdict] : {std::pair{0.5, Verdict::stable}, {1.3, Verdict::unstable}}) {
-        ToolInHand box = held(testing::cube(kHalf_m), "god-object-tool", share * critical);
-        const Judgement found = judge_loop(box, press(late, kHalf_m, 0.0, 0.0), late, {});
+        ToolInHand box = held(testing::cube(half_m), "god-object-tool", share * critical);
+        const Judgement found = judge_loop(box, press(late, half_m, 0.0, 0.0), late, {});
         EXPECT_EQ(found.verdict, verdict) << share << " of " << critical << " N/m: " << sentence(found);
       }
     }
@@ -122,16 +120,16 @@ TEST(ToolInHand, ABoxIsStableUpToTheLimitOfItsCoupling) {
 
 // A ball of triangles touches a plane with the corner that lies at its radius: so here, the floor and the wall.
 TEST(ToolInHand, ABallIsTheCoresBallTip) {
-  constexpr double kStiffness = 500.0, kWall_m = 0.02;
-  const surface::TriangleMesh object = room(kWall_m);
+  constexpr double wall_stiffness = 500.0, wall_at_m = 0.02;
+  const surface::TriangleMesh object = room(wall_at_m);
   rendering::Model model;
   model.renderer = "god-object";
-  model.parameters = {{"stiffness_N_per_m", kStiffness}, {"tip_radius_m", kHalf_m}};
+  model.parameters = {{"stiffness_N_per_m", wall_stiffness}, {"tip_radius_m", half_m}};
   const auto tip = renderers::make_renderer(model, surface::make_embree_surface(object));
-  ToolInHand tool(tool_renderers::make_tool_renderer("god-object-tool", tool::solid_tool(testing::ball(kHalf_m, 4)),
-                                                     object, settings(kStiffness)));
+  ToolInHand tool(tool_renderers::make_tool_renderer("god-object-tool", tool::solid_tool(testing::ball(half_m, 4)),
+                                                     object, settings(wall_stiffness)));
   const LoopParameters own = with_every_effect();
-  const MotionColumns path = press(own, kHalf_m, 0.0, kWall_m);
+  const MotionColumns path = press(own, half_m, 0.0, wall_at_m);
   const LoopTrace of_tool = run_loop(tool, path, own), of_tip = run_loop(*tip, path, own);
   const Difference found = difference(of_tool, of_tip);
   fmt::print("ball along the floor to the wall: within {:.1e} m and {:.1e} of {:.2f} N\n", found.tip_m, found.force_N,
@@ -144,9 +142,9 @@ TEST(ToolInHand, ABallIsTheCoresBallTip) {
 
 TEST(ToolInHand, EnergyBalancesAndARunRepeatsToTheBitWithEveryRendererAndEffect) {
   const LoopParameters own = with_every_effect();
-  const MotionColumns path = press(own, kHalf_m, kSide_m - 8e-3, kSide_m);
+  const MotionColumns path = press(own, half_m, side_m - 8e-3, side_m);
   for (const auto& entry : tool_renderers::tool_renderer_catalogue()) {
-    ToolInHand box = held(testing::cube(kHalf_m), entry.name, 800.0);
+    ToolInHand box = held(testing::cube(half_m), entry.name, 800.0);
     const LoopTrace trace = run_loop(box, path, own), again = run_loop(box, path, own);
     double worst_J = 0.0, lost_J = 0.0;
     for (std::size_t i = 0; i < trace.size(); ++i) {
@@ -164,16 +162,16 @@ TEST(ToolInHand, EnergyBalancesAndARunRepeatsToTheBitWithEveryRendererAndEffect)
 
 // A ball at the end of a lever: the torque about the handle is the lever's.
 TEST(ToolInHand, TheTorqueIsSaidAndTurnsNothing) {
-  constexpr double kLever_m = 0.03;
-  surface::TriangleMesh ball = testing::ball(kHalf_m, 3);
-  for (Vec3& corner : ball.vertices_W_m) corner.x() += kLever_m;
+  constexpr double lever_m = 0.03;
+  surface::TriangleMesh ball = testing::ball(half_m, 3);
+  for (Vec3& corner : ball.vertices_W_m) corner.x() += lever_m;
   ToolInHand lever = held(ball, "god-object-tool", 500.0);
   const LoopParameters own = light();
-  const LoopTrace trace = run_loop(lever, press(own, kHalf_m, 0.0, 0.0), own);
+  const LoopTrace trace = run_loop(lever, press(own, half_m, 0.0, 0.0), own);
   double largest_N = 0.0;
   for (const Vec3& f : trace.commanded_W_N) largest_N = std::max(largest_N, f.norm());
   EXPECT_GT(largest_N, 0.3);
-  EXPECT_NEAR(lever.torque().largest_Nm, kLever_m * largest_N, 0.02 * kLever_m * largest_N);
+  EXPECT_NEAR(lever.torque().largest_Nm, lever_m * largest_N, 0.02 * lever_m * largest_N);
   EXPECT_GT(lever.torque().at_s, 0.1);
   lever.reset();
   EXPECT_EQ(lever.torque().largest_Nm, 0.0);

@@ -15,16 +15,16 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr double kWindow_s = 0.128;
-constexpr double kSustained = 0.9;  // of the amplitude, a window later: dies away no faster than in 1.2 s
-constexpr double kOnset_s = 0.064;  // as harness/perception takes it for the burst after contact
-constexpr double kLowest_Hz = 20.0;
-constexpr double kHighest_Hz = 1000.0;
-constexpr double kHannBandwidth = 1.5;  // bins of noise that the window sums up
-constexpr std::size_t kTimesThrownOut = 3;
-constexpr double kShareThrownOut = 0.02;
-constexpr double kLeastRealTime = 2.0;
-constexpr double kTimedFrom_s = 0.5;  // what is shorter says little of a renderer's cost
+constexpr double window_s = 0.128;
+constexpr double sustained = 0.9;  // of the amplitude, a window later: dies away no faster than in 1.2 s
+constexpr double onset_s = 0.064;  // as harness/perception takes it for the burst after contact
+constexpr double lowest_Hz = 20.0;
+constexpr double highest_Hz = 1000.0;
+constexpr double hann_bandwidth = 1.5;  // bins of noise that the window sums up
+constexpr std::size_t times_thrown_out = 3;
+constexpr double share_thrown_out = 0.02;
+constexpr double least_real_time = 2.0;
+constexpr double timed_from_s = 0.5;  // what is shorter says little of a renderer's cost
 
 struct Stretch {
   std::size_t begin = 0, end = 0;
@@ -47,7 +47,7 @@ std::vector<double> powers(const std::vector<Vec3>& f_W_N, const Stretch& window
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> x;
     for (std::size_t i = window.begin; i < window.end; ++i) x.push_back(f_W_N[i][axis]);
-    const auto spectrum = perception::amplitude_spectrum(x, rate_Hz, kHighest_Hz);
+    const auto spectrum = perception::amplitude_spectrum(x, rate_Hz, highest_Hz);
     step_Hz = spectrum.step_Hz;
     sum.resize(spectrum.amplitude.size(), 0.0);
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += std::pow(spectrum.amplitude[k], 2);
@@ -60,7 +60,7 @@ double over_threshold(const std::vector<double>& power, double step_Hz, const pe
   double sum = 0.0;
   for (std::size_t k = 0; k < power.size(); ++k) {
     const double f_Hz = static_cast<double>(k) * step_Hz;
-    if (f_Hz >= kLowest_Hz) sum += power[k] / kHannBandwidth / std::pow(thresholds.vibration_force_N(f_Hz), 2);
+    if (f_Hz >= lowest_Hz) sum += power[k] / hann_bandwidth / std::pow(thresholds.vibration_force_N(f_Hz), 2);
   }
   return sum;
 }
@@ -70,7 +70,7 @@ Vibration peak_of(const std::vector<double>& power, double step_Hz) {
   Vibration out;
   std::size_t peak = 0;
   for (std::size_t k = 1; k < power.size(); ++k) {
-    if (static_cast<double>(k) * step_Hz >= kLowest_Hz && (peak == 0 || power[k] > power[peak])) peak = k;
+    if (static_cast<double>(k) * step_Hz >= lowest_Hz && (peak == 0 || power[k] > power[peak])) peak = k;
   }
   if (peak == 0) return out;
   // The window spreads a sine over its bin and the neighbours; where the power lies among them is its frequency.
@@ -80,7 +80,7 @@ Vibration peak_of(const std::vector<double>& power, double step_Hz) {
     moment += power[k] * static_cast<double>(k);
   }
   if (sum > 0.0) out.frequency_Hz = step_Hz * moment / sum;
-  out.amplitude_N = std::sqrt(sum / kHannBandwidth);
+  out.amplitude_N = std::sqrt(sum / hann_bandwidth);
   return out;
 }
 
@@ -130,7 +130,7 @@ void judge_stretch(const LoopRuns& runs, const Stretch& part, std::size_t length
     keep_worse(out.own, windows[i].own);
     if (i + 2 >= windows.size()) continue;
     const Vibration &now = windows[i].loops, &later = windows[i + 2].loops;
-    if (later.amplitude_N >= kSustained * now.amplitude_N) keep_worse(out.buzz, now.jnd < later.jnd ? now : later);
+    if (later.amplitude_N >= sustained * now.amplitude_N) keep_worse(out.buzz, now.jnd < later.jnd ? now : later);
   }
 }
 
@@ -191,7 +191,7 @@ LoopRuns run_for_judgement(rendering::Renderer& renderer, const MotionColumns& p
   out.run = run_loop(renderer, path, parameters);
   const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   out.real_time_factor = static_cast<double>(out.run.size()) * parameters.period_s / std::max(elapsed_s, 1e-9);
-  out.too_slow = out.real_time_factor < kLeastRealTime && elapsed_s > kTimedFrom_s;
+  out.too_slow = out.real_time_factor < least_real_time && elapsed_s > timed_from_s;
   if (out.too_slow) return out;
   out.open = run_open(renderer, path, parameters);
   out.ideal = run_ideal_loop(renderer, path, parameters);
@@ -214,7 +214,7 @@ Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, 
   if (size < 2) return out;
   const double rate_Hz = static_cast<double>(run.size() - 1) / (run.t_s.back() - run.t_s.front());
   const auto samples = [rate_Hz](double time_s) { return static_cast<std::size_t>(std::lround(time_s * rate_Hz)); };
-  const std::size_t settling = samples(settling_s), length = samples(kWindow_s), onset = samples(kOnset_s);
+  const std::size_t settling = samples(settling_s), length = samples(window_s), onset = samples(onset_s);
 
   std::size_t judged = 0, limited = 0;
   std::size_t after_last = 0;
@@ -246,8 +246,8 @@ Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, 
   out.thrown_out = lost.times;
   out.judged_s = static_cast<double>(judged) / rate_Hz;
   if (judged > 0) out.limited_share = static_cast<double>(limited) / static_cast<double>(judged);
-  const bool thrown = lost.times >= kTimesThrownOut &&
-                      2.0 * static_cast<double>(lost.samples) >= kShareThrownOut * static_cast<double>(judged);
+  const bool thrown = lost.times >= times_thrown_out &&
+                      2.0 * static_cast<double>(lost.samples) >= share_thrown_out * static_cast<double>(judged);
   if (run.left_at_s && !ideal.left_at_s) {
     out.verdict = Verdict::unstable;
   } else if (judged == 0) {
@@ -261,7 +261,7 @@ Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, 
 }
 
 Vibration largest_vibration(const std::vector<Vec3>& f_W_N, double rate_Hz, const perception::Thresholds& thresholds) {
-  const auto length = static_cast<std::size_t>(std::lround(kWindow_s * rate_Hz));
+  const auto length = static_cast<std::size_t>(std::lround(window_s * rate_Hz));
   const perception::VibrationScale scale(thresholds);
   Vibration worst;
   for (std::size_t begin = 0; begin + length <= f_W_N.size(); begin += std::max<std::size_t>(1, length / 2)) {
@@ -305,7 +305,7 @@ std::string sentence(const Judgement& judgement) {
             1.0 / judgement.real_time_factor);
       }
       return fmt::format("Cannot tell: on an ideal servo the hand never stays in contact for {:.2g} s.",
-                         kSettling_s + 2.0 * kWindow_s);
+                         device_settling_s + 2.0 * window_s);
   }
   return "";
 }

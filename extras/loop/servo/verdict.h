@@ -71,8 +71,8 @@ LoopRuns run_for_judgement(rendering::Renderer& renderer, const MotionColumns& p
 void run_encoder(LoopRuns& runs, rendering::Renderer& renderer, const MotionColumns& path,
                  const LoopParameters& parameters);
 
-inline constexpr double kSettling_s = 0.1;
-Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, double settling_s = kSettling_s);
+inline constexpr double device_settling_s = 0.1;
+Judgement judge(const LoopRuns& runs, const perception::Thresholds& thresholds, double settling_s = device_settling_s);
 
 // The largest vibration of a force in contact, wherever it is not zero for a window of 0.128 s; against none.
 Vibration largest_vibration(const std::vector<Vec3>& f_W_N, double rate_Hz, const perception::Thresholds& thresholds);

@@ -116,7 +116,7 @@ TEST(Verdict, AKickIsWhatALateWallGivesBeyondAnIdealOne) {
   const double ideal_N = largest_N(runs.ideal), kick_N = largest_N(runs.run) - ideal_N;
   EXPECT_GT(late.kick_jnd, 1.0);
   EXPECT_NEAR(late.kick_N, kick_N, 0.02 * kick_N);
-  EXPECT_NEAR(late.kick_jnd, kick_N / (ideal_N * perception::kFingertipForce.fraction(ideal_N)), 0.02 * late.kick_jnd);
+  EXPECT_NEAR(late.kick_jnd, kick_N / (ideal_N * perception::fingertip_force.fraction(ideal_N)), 0.02 * late.kick_jnd);
 }
 
 // The hand means to be in the wall from 0.05 s on, bounces off it at 0.1 s, and comes again at 0.3 s.

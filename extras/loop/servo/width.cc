@@ -14,12 +14,12 @@
 namespace touchstone::servo {
 namespace {
 
-constexpr std::array kSpeeds_m_per_s{0.03, 0.3};
-constexpr double kHold_s = 1.5;
-constexpr double kTremor_m = 5e-5;
-constexpr double kAway_s = 0.2;  // way up, and rest there
-constexpr double kAbove_m = 2e-3;
-constexpr double kPress_N = 1.0;
+constexpr std::array speeds_m_per_s{0.03, 0.3};
+constexpr double hold_s = 1.5;
+constexpr double tremor_m = 5e-5;
+constexpr double away_s = 0.2;  // way up, and rest there
+constexpr double above_m = 2e-3;
+constexpr double press_N = 1.0;
 
 LoopParameters with(LoopParameters own, WidthOver over, double value) {
   switch (over) {
@@ -41,14 +41,14 @@ template <class Accepted>
 bool wall_is(const LoopParameters& own, double stiffness, const perception::Thresholds& thresholds,
              const Accepted& accepted) {
   FlatWall wall(stiffness);
-  return std::ranges::all_of(kSpeeds_m_per_s, [&](double speed) {
+  return std::ranges::all_of(speeds_m_per_s, [&](double speed) {
     return accepted(judge_loop(wall, hit(own, speed), own, thresholds).verdict);
   });
 }
 
 template <class Accepted>
 double largest_wall(const LoopParameters& own, const perception::Thresholds& thresholds, const Accepted& accepted) {
-  return largest_stable(kLeastWall_N_per_m, kStiffestWall_N_per_m,
+  return largest_stable(least_wall_N_per_m, stiffest_wall_N_per_m,
                         [&](double stiffness) { return wall_is(own, stiffness, thresholds, accepted); });
 }
 
@@ -61,16 +61,16 @@ MotionColumns hit(const LoopParameters& parameters, double speed_m_per_s) {
   const double stiffness = parameters.axis.hand_stiffness_N_per_m;
   if (!(stiffness > 0.0))
     throw UsageError("a hand without stiffness presses on nothing: hand_stiffness_N_per_m above 0");
-  const double deep_m = kPress_N / stiffness;
-  const double down_s = (kAbove_m + deep_m) / speed_m_per_s;
-  const synthetic::Tremor tremor(1, kTremor_m);
+  const double deep_m = press_N / stiffness;
+  const double down_s = (above_m + deep_m) / speed_m_per_s;
+  const synthetic::Tremor tremor(1, tremor_m);
   MotionColumns path;
-  constexpr double kStep_s = 1e-3;
-  for (int k = 0; k * kStep_s <= down_s + kHold_s; ++k) {
-    const double t_s = k * kStep_s;
+  constexpr double step_s = 1e-3;
+  for (int k = 0; k * step_s <= down_s + hold_s; ++k) {
+    const double t_s = k * step_s;
     path.t_s.push_back(t_s);
     path.p_W_m.push_back(tremor.at(t_s));
-    path.p_W_m.back().z() += kAbove_m - std::min(1.0, t_s / down_s) * (kAbove_m + deep_m);
+    path.p_W_m.back().z() += above_m - std::min(1.0, t_s / down_s) * (above_m + deep_m);
   }
   return path;
 }
@@ -103,7 +103,7 @@ TunedWall tune(const std::vector<LoopSetup>& setups, double margin, const percep
     for (const double mass_kg : setup.device_masses_kg) all.push_back(setup.with_mass(mass_kg));
   }
   const auto stiffest = [&](double virtual_damping) {
-    double least = kStiffestWall_N_per_m;
+    double least = stiffest_wall_N_per_m;
     for (const LoopParameters& own : all) {
       least = std::min(
           least, largest_wall(with(own, WidthOver::virtual_damping, virtual_damping), thresholds, is_stable) / margin);
@@ -112,15 +112,15 @@ TunedWall tune(const std::vector<LoopSetup>& setups, double margin, const percep
   };
   TunedWall best;
   best.undamped_N_per_m = best.stiffness_N_per_m = stiffest(0.0);
-  constexpr double kWorthIt = 1.03;
+  constexpr double worth_it = 1.03;
   for (const double virtual_damping : {1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 40.0}) {
-    const double worth = std::max(kLeastWall_N_per_m, kWorthIt * margin * best.stiffness_N_per_m);
+    const double worth = std::max(least_wall_N_per_m, worth_it * margin * best.stiffness_N_per_m);
     const bool gains = std::ranges::all_of(all, [&](const LoopParameters& own) {
       return wall_is(with(own, WidthOver::virtual_damping, virtual_damping), worth, thresholds, is_stable);
     });
     if (!gains) continue;
     const double here = stiffest(virtual_damping);
-    if (here <= kWorthIt * best.stiffness_N_per_m) continue;
+    if (here <= worth_it * best.stiffness_N_per_m) continue;
     best.stiffness_N_per_m = here;
     best.virtual_damping_N_s_per_m = virtual_damping;
   }

@@ -23,8 +23,8 @@ struct WidthPoint {
   double passive_N_per_m = 0.0;  // Colgate and Schenkel's, of the device alone
 };
 
-inline constexpr double kLeastWall_N_per_m = 10.0;
-inline constexpr double kStiffestWall_N_per_m = 1e5;
+inline constexpr double least_wall_N_per_m = 10.0;
+inline constexpr double stiffest_wall_N_per_m = 1e5;
 
 // Down to the wall z = 0 from 2 mm above at that speed, into it as far as presses with 1 N, and there for 1.5 s, with
 // the tremor of a hand of 0.05 mm (root mean square; synthetic/trajectories/tremor.h). Dry friction may hold a wall

@@ -16,12 +16,12 @@ namespace touchstone::atlas {
 
 namespace {
 
-constexpr double kHalfSide = 0.05;
-constexpr double kHeight = 0.003;
-constexpr double kTop = 0.008;
+constexpr double half_side = 0.05;
+constexpr double relief_height = 0.003;
+constexpr double top = 0.008;
 // Bodies that are kept; cases that follow one another share theirs.
-constexpr std::uint64_t kStages = 100;
-constexpr double kStep = 2e-5;  // along the outline per sample: 20 mm/s at 1 kHz
+constexpr std::uint64_t stage_count = 100;
+constexpr double step_m = 2e-5;  // along the outline per sample: 20 mm/s at 1 kHz
 
 struct OutPoint {
   Vec3 p_W_m;
@@ -34,7 +34,7 @@ std::vector<OutPoint> trace(const std::vector<Vec3>& corners) {
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const Vec3 along = corners[i + 1] - corners[i];
     const Vec3 n = Vec3(-along.z(), 0.0, along.x()).normalized();
-    const auto steps = static_cast<int>(std::ceil(along.norm() / kStep));
+    const auto steps = static_cast<int>(std::ceil(along.norm() / step_m));
     for (int k = 0; k < steps; ++k) out.push_back({corners[i] + along * ((k + 0.5) / steps), n});
   }
   return out;
@@ -53,18 +53,18 @@ Stage make_stage(Scene scene, double sharpness) {
   const double y = 0.00123;  // not along an edge of the mesh
   if (scene == Scene::bump) {
     const synthetic::ParameterOverrides parameters{
-        {"height_m", kHeight}, {"top_width_m", kTop}, {"side_angle_rad", sharpness}, {"half_side_m", kHalfSide}};
+        {"height_m", relief_height}, {"top_width_m", top}, {"side_angle_rad", sharpness}, {"half_side_m", half_side}};
     stage.body = synthetic::make_surface("extrusion", parameters);
     stage.mesh = make_embree_surface(synthetic::make_mesh("extrusion", parameters, 2000).mesh);
-    const double foot = 0.5 * kTop + kHeight / std::tan(sharpness);
+    const double foot = 0.5 * top + relief_height / std::tan(sharpness);
     stage.out = trace({{-foot - 0.01, y, 0},
                        {-foot, y, 0},
-                       {-0.5 * kTop, y, kHeight},
-                       {0.5 * kTop, y, kHeight},
+                       {-0.5 * top, y, relief_height},
+                       {0.5 * top, y, relief_height},
                        {foot, y, 0},
                        {foot + 0.01, y, 0}});
   } else {
-    const synthetic::ParameterOverrides parameters{{"thickness_m", sharpness}, {"half_side_m", kHalfSide}};
+    const synthetic::ParameterOverrides parameters{{"thickness_m", sharpness}, {"half_side_m", half_side}};
     stage.body = synthetic::make_surface("thin-shell", parameters);
     stage.mesh = make_embree_surface(synthetic::make_mesh("thin-shell", parameters, 2000).mesh);
     stage.out = trace({{-0.02, y, 0}, {0.02, y, 0}});
@@ -161,7 +161,7 @@ AtlasCase case_at(const AtlasGrid& grid, std::uint64_t number) {
 struct AtlasWorld::State {
   explicit State(double force) : force_N(force) {}
   double force_N;
-  runs::SharedCache<Stage> stages{kStages, [](const Stage&) { return 1; }};
+  runs::SharedCache<Stage> stages{stage_count, [](const Stage&) { return 1; }};
 };
 
 AtlasWorld::AtlasWorld(const AtlasGrid& grid) : state_(std::make_unique<State>(grid.force_N)) {

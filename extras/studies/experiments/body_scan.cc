@@ -30,7 +30,7 @@ BodyScan make_body_scan(std::uint64_t seed, double mu) {
   scan.sensor = recipe.sensor;
   scan.tracker = recipe.tracker;
   scan.finest = synthetic::make_mesh(recipe.surface, recipe.parameters, 140000).mesh;
-  if (scan.finest.triangle_count() != kFinestTriangles) throw std::logic_error("kFinestTriangles is out of date");
+  if (scan.finest.triangle_count() != finest_triangles) throw std::logic_error("kFinestTriangles is out of date");
   const auto surface = make_embree_surface(scan.finest);
   scan.out = rendering::make_out_trajectory(scan.recording, *surface, {.tip_radius_m = scan.tip_radius_m});
   scan.in = rendering::synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);

@@ -16,7 +16,7 @@
 namespace touchstone::experiments {
 
 // Of the finest mesh; make_body_scan() holds itself to it.
-inline constexpr std::size_t kFinestTriangles = 141120;
+inline constexpr std::size_t finest_triangles = 141120;
 
 struct BodyScan {
   recording::Recording recording;  // measured, at the tracker's 60 Hz

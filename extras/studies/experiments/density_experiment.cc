@@ -26,10 +26,10 @@ std::optional<rendering::OperationReport> operations_of(const BodyScan& scan,
 
 std::vector<std::size_t> density_triangles() {
   std::vector<std::size_t> sizes;
-  sizes.reserve(kPublishedDensity.size());
-  for (const auto& published : kPublishedDensity)
+  sizes.reserve(published_density.size());
+  for (const auto& published : published_density)
     sizes.push_back(static_cast<std::size_t>(std::lround(1000.0 * published.kilo_triangles)));
-  sizes.back() = kFinestTriangles;
+  sizes.back() = finest_triangles;
   return sizes;
 }
 
@@ -54,7 +54,7 @@ std::vector<PaperFinding> density_findings(const DensityExperiment& experiment) 
   const auto ratio = [&](std::size_t coarse, std::size_t fine) {
     return p[coarse].plain.mean_N / p[fine].plain.mean_N;
   };
-  constexpr auto& theirs = kPublishedDensity;
+  constexpr auto& theirs = published_density;
   const double their_flat = theirs[2].error_N / theirs[7].error_N;
   const double their_steep = theirs[0].error_N / theirs[2].error_N;
   const double whole_flat = p[2].plain_all.mean_N / p[7].plain_all.mean_N;

@@ -20,7 +20,7 @@ struct PublishedDensity {
   double kilo_triangles, flops, error_N, relative;
 };
 // Table 3.
-inline constexpr std::array<PublishedDensity, 8> kPublishedDensity{{{0.2, 9.7136e6, 0.085, 9.92},
+inline constexpr std::array<PublishedDensity, 8> published_density{{{0.2, 9.7136e6, 0.085, 9.92},
                                                                     {0.5, 10.361e6, 0.031, 3.55},
                                                                     {1, 9.7921e6, 0.031, 3.61},
                                                                     {3, 10.380e6, 0.022, 2.61},
@@ -39,7 +39,7 @@ struct DensityPoint {
 
 struct DensityExperiment {
   std::uint64_t seed;
-  std::vector<DensityPoint> points;  // from coarse to fine, as kPublishedDensity
+  std::vector<DensityPoint> points;  // from coarse to fine, as published_density
 };
 
 // The sizes of its meshes, from coarse to fine.

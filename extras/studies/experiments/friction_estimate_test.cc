@@ -12,7 +12,7 @@ namespace {
 
 TEST(FrictionEstimate, OfARigidProbeIsFreeOfWhatGoesWithOneOverTheStiffness) {
   const auto found = [](double stiffness_N_per_m) { return 0.3 - 12.0 / stiffness_N_per_m; };
-  EXPECT_NEAR(of_a_rigid_probe(found(kSoftProbe_N_per_m), found(kStiffProbe_N_per_m)), 0.3, 1e-15);
+  EXPECT_NEAR(of_a_rigid_probe(found(soft_probe_N_per_m), found(stiff_probe_N_per_m)), 0.3, 1e-15);
   EXPECT_DOUBLE_EQ(of_a_rigid_probe(0.25, 0.25), 0.25);
 }
 

@@ -22,8 +22,8 @@ using boost::math::tools::brent_find_minima;
 
 namespace {
 
-constexpr double kLargestMu = 0.6;
-constexpr int kCurve = 24;
+constexpr double largest_mu = 0.6;
+constexpr int curve = 24;
 constexpr int mu_bits = 14;  // a place is found to 2^-14 of itself, less than what the noise of a scan moves it
 
 // About the best place of a curve.
@@ -38,7 +38,7 @@ double refine(const std::function<double(double)>& f, const std::vector<double>&
 }  // namespace
 
 double of_a_rigid_probe(double soft_mu, double stiff_mu) {
-  return stiff_mu + (stiff_mu - soft_mu) / (kStiffProbe_N_per_m / kSoftProbe_N_per_m - 1.0);
+  return stiff_mu + (stiff_mu - soft_mu) / (stiff_probe_N_per_m / soft_probe_N_per_m - 1.0);
 }
 
 FrictionEstimate friction_estimate(double rigid_mu, const std::vector<double>& again_mu) {
@@ -72,11 +72,11 @@ FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function
   fit.seed = seed;
   fit.true_mu = true_mu;
   for (FrictionAtStiffness* const own : {&fit.soft, &fit.stiff}) {
-    own->stiffness_N_per_m = scan.stiffness_N_per_m = own == &fit.soft ? kSoftProbe_N_per_m : kStiffProbe_N_per_m;
+    own->stiffness_N_per_m = scan.stiffness_N_per_m = own == &fit.soft ? soft_probe_N_per_m : stiff_probe_N_per_m;
     scan.in = rendering::synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);
     const auto fitted = [&](double mu) { return error(mu, 0, half).mean_N; };
-    for (int i = 0; i <= kCurve; ++i) {
-      own->mu.push_back(kLargestMu * i / kCurve);
+    for (int i = 0; i <= curve; ++i) {
+      own->mu.push_back(largest_mu * i / curve);
       own->mean_error_N.push_back(fitted(own->mu.back()));
     }
     own->fitted_mu = refine(fitted, own->mu, own->mean_error_N);
@@ -86,7 +86,7 @@ FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function
   const recording::Recording recorded = scan.recording;
   const Random draws(seed);
   std::vector<double> again;
-  for (std::size_t i = 0; i < kMeasuredAgain; ++i) {
+  for (std::size_t i = 0; i < measurements; ++i) {
     scan.recording = measured_again(recorded, scan.sensor, scan.tracker, draws.stream(i).next_u64());
     scan.out = rendering::make_out_trajectory(scan.recording, *surface, {.tip_radius_m = scan.tip_radius_m});
     const auto found = [&](const FrictionAtStiffness& own) {
@@ -142,8 +142,8 @@ RealFrictionFit fit_real_friction(const recording::Recording& recording,
   };
   const auto fitted = [&](double mu) { return run(mu).fitted_rms; };
   std::vector<double> mu, error;
-  for (int i = 0; i <= kCurve; ++i) {
-    mu.push_back(kLargestMu * i / kCurve);
+  for (int i = 0; i <= curve; ++i) {
+    mu.push_back(largest_mu * i / curve);
     error.push_back(fitted(mu.back()));
   }
   RealFrictionFit result;

@@ -13,8 +13,8 @@ namespace touchstone::experiments {
 
 // Of the virtual probes: the paper's 0.5 N/mm, and ten times that: the god-object lags by mu times the depth, which is
 // a tenth then.
-inline constexpr double kSoftProbe_N_per_m = 500.0;
-inline constexpr double kStiffProbe_N_per_m = 5000.0;
+inline constexpr double soft_probe_N_per_m = 500.0;
+inline constexpr double stiff_probe_N_per_m = 5000.0;
 
 // By a virtual probe of one stiffness.
 struct FrictionAtStiffness {
@@ -74,16 +74,16 @@ struct PublishedFriction {
   static constexpr double with_flops = 10.8e6;
 };
 
-inline constexpr std::size_t kMeasuredAgain = 10;
+inline constexpr std::size_t measurements = 10;
 
-// `soft_mu` and `stiff_mu`: found by probes of kSoftProbe_N_per_m and kStiffProbe_N_per_m.
+// `soft_mu` and `stiff_mu`: found by probes of soft_probe_N_per_m and stiff_probe_N_per_m.
 double of_a_rigid_probe(double soft_mu, double stiff_mu);
 // `again_mu`: what the scans measured again gave, each extrapolated to a rigid probe; at least two.
 FrictionEstimate friction_estimate(double rigid_mu, const std::vector<double>& again_mu);
 
-// Calls `replayed` after each of the replays, of which there are about kFrictionReplays. Throws Stopped soon after that
+// Calls `replayed` after each of the replays, of which there are about friction_replays. Throws Stopped soon after that
 // was asked for.
-inline constexpr std::size_t kFrictionReplays = 430;
+inline constexpr std::size_t friction_replays = 430;
 FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function<void()>& replayed = {});
 // `surface`: the surface of zero force of the recorded point, in metres. Throws BadData if the recording never touches
 // it.

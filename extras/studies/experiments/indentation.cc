@@ -18,8 +18,8 @@ namespace {
 
 namespace pc = perception;
 
-constexpr double kForceScale = 1e9;  // 1 nN is shown as 1 N
-constexpr double kDepthScale = 1e3;  // 1 um is shown as 1 mm
+constexpr double force_scale = 1e9;  // 1 nN is shown as 1 N
+constexpr double depth_scale = 1e3;  // 1 um is shown as 1 mm
 
 double header_number(const nlohmann::json& header, const char* name, const std::string& file) {
   if (!header.contains(name) || !header[name].is_number() || !(header[name].get<double>() > 0.0)) {
@@ -76,11 +76,11 @@ std::vector<pc::PressSignal> press(const Approach& approach, std::size_t phase, 
   pc::PressSignal signal;
   signal.name = law == nullptr ? "measured" : "rendered";
   const std::size_t before = approach.force_N.size() / 20;
-  const std::size_t start = (approach.contact - std::min(before, approach.contact)) / kInterleaved * kInterleaved;
-  for (std::size_t i = start + phase; i < approach.force_N.size(); i += kInterleaved) {
-    signal.t_s.push_back(static_cast<double>(signal.t_s.size() * kInterleaved) / approach.rate_Hz);
-    signal.force_N.push_back(kForceScale * (law == nullptr ? approach.force_N[i] : law->force_N(approach.depth_m[i])));
-    signal.displacement_m.push_back(kDepthScale * approach.depth_m[i]);
+  const std::size_t start = (approach.contact - std::min(before, approach.contact)) / interleaved * interleaved;
+  for (std::size_t i = start + phase; i < approach.force_N.size(); i += interleaved) {
+    signal.t_s.push_back(static_cast<double>(signal.t_s.size() * interleaved) / approach.rate_Hz);
+    signal.force_N.push_back(force_scale * (law == nullptr ? approach.force_N[i] : law->force_N(approach.depth_m[i])));
+    signal.displacement_m.push_back(depth_scale * approach.depth_m[i]);
   }
   return {signal};
 }
@@ -112,7 +112,7 @@ Approach read_approach(const std::filesystem::path& file) {
   for (const double f : samples.force_N) approach.force_N.push_back(f - zero_N);
   approach.contact = size;
   while (approach.contact > 0 && approach.force_N[approach.contact - 1] > 3.0 * approach.noise_N) --approach.contact;
-  if (approach.contact + 40 * kInterleaved > size || approach.contact < size / 5) {
+  if (approach.contact + 40 * interleaved > size || approach.contact < size / 5) {
     throw BadData(fmt::format(
         "{}: contact from sample {} of {} on: an approach that starts free and ends in contact was expected",
         approach.source, approach.contact, size));
@@ -156,11 +156,11 @@ std::vector<IndentationComparison> compare_indentation(const Approach& approach)
   // 80 ms of a record: in shorter windows the quotient of two small changes is mostly the sensor's noise.
   options.image.rate_hardness_window = 40;
   std::vector<IndentationComparison> result;
-  for (std::size_t real = 0; real < kInterleaved; ++real) {
-    const std::array laws{
-        fit_power_law(approach, 1.0, real, kInterleaved), fit_power_law(approach, 1.5, real, kInterleaved),
-        fit_power_law(approach, 2.0, real, kInterleaved), fit_power_law(approach, real, kInterleaved)};
-    for (std::size_t other = 0; other < kInterleaved; ++other) {
+  for (std::size_t real = 0; real < interleaved; ++real) {
+    const std::array laws{fit_power_law(approach, 1.0, real, interleaved),
+                          fit_power_law(approach, 1.5, real, interleaved),
+                          fit_power_law(approach, 2.0, real, interleaved), fit_power_law(approach, real, interleaved)};
+    for (std::size_t other = 0; other < interleaved; ++other) {
       if (other == real) continue;
       std::vector<pc::ConditionSource> conditions{
           {"measured again", [&approach, other] { return press(approach, other, nullptr); }}};

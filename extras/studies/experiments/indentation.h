@@ -46,10 +46,10 @@ struct IndentationComparison {
   // one: exponent 1, 1.5, 2, and the fitted one.
   perception::PerceptualEvaluation evaluation;
 };
-inline constexpr std::size_t kInterleaved = 4;
-inline constexpr std::size_t kIndentationConditions = 5;
+inline constexpr std::size_t interleaved = 4;
+inline constexpr std::size_t indentation_conditions = 5;
 
-// Every ordered pair of the interleaved records (sample n belongs to record n mod kInterleaved). Shown as a haptic
+// Every ordered pair of the interleaved records (sample n belongs to record n mod interleaved). Shown as a haptic
 // interface would: 1 nN as 1 N and 1 um as 1 mm.
 std::vector<IndentationComparison> compare_indentation(const Approach& approach);
 

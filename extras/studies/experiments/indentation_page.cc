@@ -35,7 +35,7 @@ report::Table distances_table(const std::vector<IndentationComparison>& comparis
   report::Table table;
   table.caption = "Distance in perception space to one record of the approach";
   table.columns = {"condition", "median", "least", "largest", "nearest of all in"};
-  for (std::size_t c = 0; c < kIndentationConditions; ++c) {
+  for (std::size_t c = 0; c < indentation_conditions; ++c) {
     std::vector<double> own;
     std::size_t nearest = 0;
     for (const auto& comparison : comparisons) {
@@ -103,7 +103,7 @@ report::Page indentation_page(const Approach& approach, const std::vector<Indent
           "slow drift of the instrument but not its noise: a single curve offers no more. Laws are fitted to one "
           "record by least squares and rendered at the depths of another. Shown as a haptic interface would: 1 "
           "nN as 1 N, 1 um as 1 mm. Noise of the force {:.3g} nN, {} samples in contact.",
-          kInterleaved, 1e9 * approach.noise_N, approach.force_N.size() - approach.contact),
+          interleaved, 1e9 * approach.noise_N, approach.force_N.size() - approach.contact),
       {},
       false};
   section.blocks = {distances_table(comparisons), nearness_table(nearness_of(comparisons), names_of(comparisons)),

@@ -23,7 +23,7 @@ std::vector<Nearness> nearness(const std::vector<const pc::PerceptualEvaluation*
   }
   std::vector<Nearness> result;
   for (const double share : {0.9, 1.0}) {
-    for (const auto scaling : pc::kFeatureScalings) {
+    for (const auto scaling : pc::feature_scalings) {
       Nearness own{scaling, share, {}, {}, comparisons.size()};
       own.nearer.resize(conditions, 0);
       std::vector<std::vector<double>> distances(conditions);

@@ -26,11 +26,11 @@ TEST(Nearness, MedianDistancesAndCountsUnderEveryRule) {
   const auto first = comparison({{3, 4}, {3, 5}, {3, 16}});
   const auto second = comparison({{3, 4}, {3, 6}, {3, 3}});
   const auto rows = nearness({&first, &second});
-  ASSERT_EQ(rows.size(), 2 * pc::kFeatureScalings.size());
+  ASSERT_EQ(rows.size(), 2 * pc::feature_scalings.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto& own = rows[i];
-    EXPECT_EQ(own.scaling, pc::kFeatureScalings[i % pc::kFeatureScalings.size()]);
-    EXPECT_EQ(own.explained_share, i < pc::kFeatureScalings.size() ? 0.9 : 1.0);
+    EXPECT_EQ(own.scaling, pc::feature_scalings[i % pc::feature_scalings.size()]);
+    EXPECT_EQ(own.explained_share, i < pc::feature_scalings.size() ? 0.9 : 1.0);
     EXPECT_EQ(own.compared, 2U);
     // Measured again: 1 and 2 away. Rendered: 12 and 1 away, nearer the second time.
     EXPECT_EQ(own.nearer, (std::vector<std::size_t>{0, 1})) << pc::name_of(own.scaling);
@@ -60,7 +60,7 @@ TEST(Nearness, NinetyPercentMayLeaveOutWhereTheNearOnesDiffer) {
   const std::size_t none = 1;
   ASSERT_EQ(rows[none].scaling, pc::FeatureScaling::none);
   EXPECT_LT(rows[none].median_distance[0], 0.02);
-  EXPECT_NEAR(rows[none + pc::kFeatureScalings.size()].median_distance[0], 1.0, 1e-9);
+  EXPECT_NEAR(rows[none + pc::feature_scalings.size()].median_distance[0], 1.0, 1e-9);
 }
 
 TEST(Nearness, RefusesNothingAndUnequalComparisons) {

@@ -28,8 +28,8 @@ using surface::Surface;
 
 namespace {
 
-constexpr double kMostMu = 1.0;
-constexpr int kMuSteps = 10;  // of the curve whose best place is refined
+constexpr double most_mu = 1.0;
+constexpr int mu_steps = 10;  // of the curve whose best place is refined
 
 std::vector<Vec3> normal_part_of(const OutTrajectory& out) {
   std::vector<Vec3> normal_W_N;
@@ -143,16 +143,16 @@ void run_friction_part(const PaperBench& bench, PaperResult& result) {
   const auto fitted = [&](double mu) { return error(mu, 0, half); };
   int best = 0;
   double least = fitted(0.0);
-  for (int i = 1; i <= kMuSteps; ++i) {
-    const double here = fitted(kMostMu * i / kMuSteps);
+  for (int i = 1; i <= mu_steps; ++i) {
+    const double here = fitted(most_mu * i / mu_steps);
     if (here < least) {
       least = here;
       best = i;
     }
   }
   constexpr int mu_bits = 10;  // to a thousandth
-  result.fitted_mu = boost::math::tools::brent_find_minima(fitted, kMostMu * std::max(best - 1, 0) / kMuSteps,
-                                                           kMostMu * std::min(best + 1, kMuSteps) / kMuSteps, mu_bits)
+  result.fitted_mu = boost::math::tools::brent_find_minima(fitted, most_mu * std::max(best - 1, 0) / mu_steps,
+                                                           most_mu * std::min(best + 1, mu_steps) / mu_steps, mu_bits)
                          .first;
   result.without_N = error(0.0, half, bench.in().size());
   result.with_N = error(result.fitted_mu, half, bench.in().size());
@@ -162,7 +162,7 @@ void run_friction_part(const PaperBench& bench, PaperResult& result) {
 void run_density_part(const PaperBench& bench, PaperResult& result) {
   std::vector<std::size_t> targets;
   const std::size_t finest = bench.scan().mesh.triangle_count();
-  for (const PublishedDensity& published : kPublishedDensity) {
+  for (const PublishedDensity& published : published_density) {
     const auto triangles = static_cast<std::size_t>(std::lround(1000.0 * published.kilo_triangles));
     if (triangles < finest) targets.push_back(triangles);
   }
@@ -229,7 +229,7 @@ std::vector<JudgedFinding> density_findings_of(const PaperResult& r) {
   for (const PaperDensity* one = worst; one <= &r.density.back(); ++one) {
     if (one->plain_N > worst->plain_N) worst = one;
   }
-  const double their_flat = kPublishedDensity[2].error_N / kPublishedDensity[7].error_N;
+  const double their_flat = published_density[2].error_N / published_density[7].error_N;
   out.push_back(
       {fmt::format("fairly stable from 1,000 triangles on (theirs grows {:.1f} times)", their_flat),
        worst->plain_N <= their_flat * finest_N,

@@ -25,15 +25,15 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double kStiffness = 500.0;
+constexpr double stiffness = 500.0;
 
 struct Peer {
   const char* method;
   const char* file;
 };
-constexpr std::array<Peer, 3> kPeers{{{"CHAI3D static proxy", "chai3d-mm-static"},
-                                      {"CHAI3D dynamic proxy", "chai3d-mm-dynamic"},
-                                      {"HAPI god-object", "hapi-godobject"}}};
+constexpr std::array<Peer, 3> peer_engines{{{"CHAI3D static proxy", "chai3d-mm-static"},
+                                            {"CHAI3D dynamic proxy", "chai3d-mm-dynamic"},
+                                            {"HAPI god-object", "hapi-godobject"}}};
 
 std::string shape_of(const std::string& mesh) {
   for (const char* shape : {"plane", "bumpy", "gauss"}) {
@@ -80,7 +80,7 @@ InTrajectory positions(const std::filesystem::path& peers, const std::string& me
 std::vector<Vec3> exact_forces(const std::string& mesh, const InTrajectory& in) {
   const auto surface = synthetic::make_surface(shape_of(mesh));
   std::vector<Vec3> forces;
-  for (const Vec3& p : in.motion.p_W_m) forces.push_back(synthetic::exact_contact(*surface, p, kStiffness, 0.0).f_W_N);
+  for (const Vec3& p : in.motion.p_W_m) forces.push_back(synthetic::exact_contact(*surface, p, stiffness, 0.0).f_W_N);
   return forces;
 }
 
@@ -111,7 +111,7 @@ void score(PeerResult& result, const std::vector<Vec3>& forces, const std::vecto
 std::unique_ptr<rendering::Renderer> our_renderer(const TriangleMesh& mesh) {
   Model model;
   model.renderer = "god-object";
-  model.parameters = {{"stiffness_N_per_m", kStiffness}};
+  model.parameters = {{"stiffness_N_per_m", stiffness}};
   model.source = "peer comparison";
   return renderers::make_renderer(model, make_embree_surface(mesh));
 }
@@ -130,11 +130,11 @@ Model peer_model(std::shared_ptr<const rendering::RendererEntry> entry) {
   };
   if (std::ranges::none_of(entry->parameters, named)) {
     throw UsageError(fmt::format("the renderer {} has no parameter stiffness_N_per_m; the peers ran at {} N/m",
-                                 entry->name, kStiffness));
+                                 entry->name, stiffness));
   }
   Model model;
   model.renderer = entry->name;
-  model.parameters = {{"stiffness_N_per_m", kStiffness}};
+  model.parameters = {{"stiffness_N_per_m", stiffness}};
   model.source = "peer comparison";
   model.provided = std::move(entry);
   return model;
@@ -160,7 +160,7 @@ PeerCase compare_with_peers(const std::filesystem::path& peers, const std::strin
   for (const Model& model : besides)
     run(model.renderer, *renderers::make_renderer(model, make_embree_surface(triangles)));
 
-  for (const Peer& peer : kPeers) {
+  for (const Peer& peer : peer_engines) {
     const auto path = peers / "out" / fmt::format("{}.{}.csv.gz", mesh, peer.file);
     std::vector<Vec3> forces;
     for (const auto& row : read_rows(path, 7)) forces.emplace_back(row[4], row[5], row[6]);

@@ -17,10 +17,10 @@ namespace {
 
 namespace pc = perception;
 
-constexpr double kClear = 2.0;
-constexpr double kBelow = 0.5;
-constexpr std::size_t kTrials = 200;
-constexpr std::size_t kFewestInBin = 20;
+constexpr double clear = 2.0;
+constexpr double below = 0.5;
+constexpr std::size_t trials = 200;
+constexpr std::size_t fewest_in_bin = 20;
 
 // A condition, what it is held against, and the answer.
 struct Asked {
@@ -48,8 +48,8 @@ std::vector<Asked> asked_of(const PlantedSetup& setup, BenchTruth truth) {
   return asked;
 }
 
-constexpr std::uint64_t kStreams = 1000;        // of a seed
-constexpr std::uint64_t kFirstReference = 900;  // streams from here on are those of further real processes
+constexpr std::uint64_t streams = 1000;         // of a seed
+constexpr std::uint64_t first_reference = 900;  // streams from here on are those of further real processes
 
 BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const PerceptionBenchOptions& bench,
                      std::vector<std::string>& metrics) {
@@ -66,10 +66,10 @@ BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const Percep
     if (asked.setting != nullptr) asked.setting(options.thresholds);
     if (!reference || recorded != asked.reference) {
       recorded = asked.reference;
-      real = record_planted(asked.real, setup, seed * kStreams + (recorded == 0 ? 0 : kFirstReference + recorded));
+      real = record_planted(asked.real, setup, seed * streams + (recorded == 0 ? 0 : first_reference + recorded));
       reference = pc::judged_process(pc::felt_series(real, Vec3::UnitZ()), options.thresholds);
     }
-    const recording::Recording recording = record_planted(asked.rendered, setup, seed * kStreams + ++stream);
+    const recording::Recording recording = record_planted(asked.rendered, setup, seed * streams + ++stream);
     const auto process = pc::judged_process(pc::felt_series(recording, Vec3::UnitZ()), options.thresholds, &*reference);
     const auto judgement = pc::judge(*reference, process, {}, options);
     BenchedCase own;
@@ -102,7 +102,7 @@ MetricScore score_of(const PerceptionBench& bench, std::size_t metric) {
   for (const auto& run : bench.runs) {
     for (const auto& near : run.cases) {
       for (const auto& far : run.cases) {
-        if (near.reference != far.reference || !(far.literature - near.literature > kClear)) continue;
+        if (near.reference != far.reference || !(far.literature - near.literature > clear)) continue;
         ++score.pairs;
         const double a = near.cost[metric];
         const double b = far.cost[metric];
@@ -122,11 +122,11 @@ MetricScore score_of(const PerceptionBench& bench, std::size_t metric) {
 }
 
 void calibrate(PerceptionBench& bench) {
-  constexpr double kWidth = 0.1;
+  constexpr double bin_width = 0.1;
   for (int b = 0; b < 5; ++b) {
     CalibrationBin bin;
-    bin.from = 0.5 + kWidth * b;
-    bin.to = bin.from + kWidth;
+    bin.from = 0.5 + bin_width * b;
+    bin.to = bin.from + bin_width;
     std::uint64_t seed = 0;
     for (const auto& run : bench.runs) {
       for (const auto& own : run.cases) {
@@ -137,13 +137,13 @@ void calibrate(PerceptionBench& bench) {
         bin.stated += own.probability;
         bin.literature += pc::forced_choice_probability(own.literature);
         const double evidence[] = {own.literature};
-        bin.simulated += pc::simulated_forced_choice(evidence, kTrials, run.seed * 100000 + seed);
+        bin.simulated += pc::simulated_forced_choice(evidence, trials, run.seed * 100000 + seed);
       }
     }
     if (bin.cases > 0) {
       for (double* sum : {&bin.stated, &bin.literature, &bin.simulated}) *sum /= static_cast<double>(bin.cases);
     }
-    if (bin.cases >= kFewestInBin)
+    if (bin.cases >= fewest_in_bin)
       bench.largest_miscalibration = std::max(bench.largest_miscalibration, std::abs(bin.stated - bin.simulated));
     bench.calibration.push_back(bin);
   }
@@ -209,7 +209,7 @@ PerceptionBench run_perception_bench(const PerceptionBenchOptions& options,
     for (const auto& own : run.cases) {
       ++bench.cases;
       bench.covered += own.low95 <= own.literature && own.literature <= own.high95 ? 1 : 0;
-      if (own.literature >= kBelow) continue;
+      if (own.literature >= below) continue;
       ++bench.below_threshold;
       bench.called_indistinguishable += own.noticed ? 0 : 1;
     }

@@ -15,14 +15,14 @@
 namespace touchstone::experiments {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kFree = 0.15;          // of the stroke that passes in the air
-constexpr double kStrokeSpread = 0.03;  // between presses
-constexpr double kRise = 0.3;           // of the stroke that a constant force takes to rise
-constexpr double kTremor_m = 2e-5;
-constexpr double kTapDecay_s = 0.015;
-constexpr double kTapFrequency_Hz = 300.0;
-constexpr double kTapSpeed_m_per_s = 0.05;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double air_share = 0.15;      // of the stroke that passes in the air
+constexpr double stroke_spread = 0.03;  // between presses
+constexpr double rise = 0.3;            // of the stroke that a constant force takes to rise
+constexpr double tremor_m = 2e-5;
+constexpr double tap_decay_s = 0.015;
+constexpr double tap_frequency_Hz = 300.0;
+constexpr double tap_speed_m_per_s = 0.05;
 
 // The motion of one hand: depth below the surface and place along x, functions of time.
 class Hand {
@@ -32,19 +32,19 @@ class Hand {
       : stroke_m_(planted.deeper * setup.peak_N / setup.stiffness_N_per_m + planted.late_m),
         beat_Hz_(planted.faster * setup.beat_Hz),
         slide_m_per_s_(setup.sliding_m_per_s),
-        tremor_(seed, kTremor_m * std::min(1.0, stroke_m_ / 0.005)) {
+        tremor_(seed, tremor_m * std::min(1.0, stroke_m_ / 0.005)) {
     Random random(seed);
-    for (int i = 0; i < 1000; ++i) scale_.push_back(1.0 + kStrokeSpread * random.normal());
+    for (int i = 0; i < 1000; ++i) scale_.push_back(1.0 + stroke_spread * random.normal());
   }
 
   [[nodiscard]] double duration_s(double presses) const { return presses / beat_Hz_; }
   [[nodiscard]] double depth_m(double t_s) const {
     const double beats = std::max(0.0, t_s * beat_Hz_);
     const auto press = static_cast<std::size_t>(beats);
-    // From kFree of the stroke above the surface to the full stroke below it, a cosine each press.
-    const double share = 0.5 * (1.0 - std::cos(kTwoPi * beats));
+    // From air_share of the stroke above the surface to the full stroke below it, a cosine each press.
+    const double share = 0.5 * (1.0 - std::cos(two_pi * beats));
     const double stroke = stroke_m_ * scale_[press % scale_.size()];
-    const double free = kFree * stroke_m_;
+    const double free = air_share * stroke_m_;
     return -free + (stroke + free) * share + tremor_.first_at(t_s) * share;
   }
   // To and fro along x at an even speed, a turn every two presses, in the air: friction turns round unfelt.
@@ -152,24 +152,24 @@ double planted_d_prime(const PlantedCase& planted, const PlantedSetup& setup,
   if (planted.quantum_N > 0.0) {
     // A saw tooth of the step's height: harmonics h of amplitude q / (pi h), at h times the rate of steps, which goes
     // with the speed over the stroke; what lies between 20 Hz and half the rate is felt.
-    constexpr int kMoments = 200;
-    for (int m = 0; m < kMoments; ++m) {
-      const double angle = std::numbers::pi * (m + 0.5) / kMoments;
+    constexpr int moments = 200;
+    for (int m = 0; m < moments; ++m) {
+      const double angle = std::numbers::pi * (m + 0.5) / moments;
       const double steps_Hz = setup.peak_N * std::numbers::pi * setup.beat_Hz * std::sin(angle) / planted.quantum_N;
       for (int h = 1; h * steps_Hz < 0.5 * setup.rate_Hz && h < 1000; ++h) {
         if (h * steps_Hz < 20.0) continue;
-        power += vibration(planted.quantum_N / (std::numbers::pi * h), h * steps_Hz) / kMoments;
+        power += vibration(planted.quantum_N / (std::numbers::pi * h), h * steps_Hz) / moments;
       }
     }
   }
   double burst = 0.0;
   if (planted.tap_N > 0.0) {
     // Power of a decaying sine over the 64 ms that follow.
-    const double speed = deepest_m * (1.0 + kFree) * std::numbers::pi * setup.beat_Hz *
-                         std::sqrt(4.0 * kFree / (1.0 + kFree) * (1.0 - kFree / (1.0 + kFree)));
-    const double amplitude = planted.tap_N * speed / kTapSpeed_m_per_s;
-    const double rms = amplitude * std::sqrt(0.5 * 0.5 * kTapDecay_s / 0.064);
-    burst = scale.from_nothing(vibration(rms * std::numbers::sqrt2, kTapFrequency_Hz) /
+    const double speed = deepest_m * (1.0 + air_share) * std::numbers::pi * setup.beat_Hz *
+                         std::sqrt(4.0 * air_share / (1.0 + air_share) * (1.0 - air_share / (1.0 + air_share)));
+    const double amplitude = planted.tap_N * speed / tap_speed_m_per_s;
+    const double rms = amplitude * std::sqrt(0.5 * 0.5 * tap_decay_s / 0.064);
+    burst = scale.from_nothing(vibration(rms * std::numbers::sqrt2, tap_frequency_Hz) /
                                (thresholds.vibration_integration_s / 0.064));
   }
   const double position = planted.late_m / thresholds.position_m;
@@ -206,16 +206,16 @@ recording::Recording record_planted(const PlantedCase& planted, const PlantedSet
       double normal = k * felt_depth;
       if (planted.plateau_N > 0.0) {
         // Without a kink, which would be felt as a click.
-        const double part = std::min(1.0, felt_depth * setup.stiffness_N_per_m / (kRise * setup.peak_N));
+        const double part = std::min(1.0, felt_depth * setup.stiffness_N_per_m / (rise * setup.peak_N));
         normal = planted.plateau_N * (1.0 - planted.softer) * part * part * (3.0 - 2.0 * part);
       }
-      if (planted.buzz_N > 0.0) normal += planted.buzz_N * std::sin(kTwoPi * planted.buzz_Hz * t);
+      if (planted.buzz_N > 0.0) normal += planted.buzz_N * std::sin(two_pi * planted.buzz_Hz * t);
       if (planted.texture_N > 0.0)
-        normal += planted.texture_N * std::sin(kTwoPi * hand.x_m(t) / planted.texture_wavelength_m);
+        normal += planted.texture_N * std::sin(two_pi * hand.x_m(t) / planted.texture_wavelength_m);
       if (planted.tap_N > 0.0 && contact_s >= 0.0) {
         const double since = t - contact_s;
-        normal += planted.tap_N * contact_speed / kTapSpeed_m_per_s * std::exp(-since / kTapDecay_s) *
-                  std::sin(kTwoPi * kTapFrequency_Hz * since);
+        normal += planted.tap_N * contact_speed / tap_speed_m_per_s * std::exp(-since / tap_decay_s) *
+                  std::sin(two_pi * tap_frequency_Hz * since);
       }
       if (planted.quantum_N > 0.0) normal = planted.quantum_N * std::round(normal / planted.quantum_N);
       const double v = (hand.x_m(t + 1e-4) - hand.x_m(t - 1e-4)) / 2e-4;

@@ -11,10 +11,10 @@ namespace touchstone::experiments {
 namespace {
 
 // A staircase of three down and one up ends where 0.5^(1/3) = 79.4 % are right: d' = sqrt(2) * 0.8193.
-constexpr double kThreeDownOneUp_d = 1.159;
+constexpr double three_down_one_up_d = 1.159;
 
-constexpr std::string_view kOneInterval = "one interval, with feedback; d' = 1 is assumed";
-constexpr std::string_view kNotStated = "not stated; d' = 1 is assumed";
+constexpr std::string_view one_interval = "one interval, with feedback; d' = 1 is assumed";
+constexpr std::string_view not_stated = "not stated; d' = 1 is assumed";
 
 // Weber's law: each just noticeable difference multiplies.
 double weaker(double fraction, double times) { return 1.0 - std::pow(1.0 + fraction, -times); }
@@ -43,7 +43,7 @@ PlantedCase buzzing() {
 
 const std::vector<PublishedExperiment>& published_experiments() {
   static const std::vector<PublishedExperiment> experiments{
-      {"force", "7 % of a constant force between 2.5 and 10 N", "Pang, Tan and Durlach (1991)", kOneInterval, 1.0,
+      {"force", "7 % of a constant force between 2.5 and 10 N", "Pang, Tan and Durlach (1991)", one_interval, 1.0,
        constant(),
        [](const PlantedCase& real, double times) {
          PlantedCase c = real;
@@ -53,7 +53,7 @@ const std::vector<PublishedExperiment>& published_experiments() {
       {"compliance, equal depth", "8 % if force and work could be felt",
        "Tan, Pang and Durlach (1992), as quoted in 'Manual "
        "resolution of compliance when work and force cues are minimized'",
-       kNotStated, 1.0, plain(),
+       not_stated, 1.0, plain(),
        [](const PlantedCase& real, double times) {
          PlantedCase c = real;
          c.softer = weaker(0.08, times);
@@ -62,7 +62,7 @@ const std::vector<PublishedExperiment>& published_experiments() {
        // The hand was led to the same depth, so that forces could be compared.
        [](perception::Thresholds& t) { t.depth_fraction = 0.0; }},
       {"compliance, any depth", "22 % if the depth is varied so that force and work say nothing",
-       "Tan, Durlach, Beauregard and Srinivasan (1995)", kNotStated, 1.0, plain(),
+       "Tan, Durlach, Beauregard and Srinivasan (1995)", not_stated, 1.0, plain(),
        [](const PlantedCase& real, double times) {
          PlantedCase c = real;
          c.softer = weaker(0.22, times);
@@ -70,7 +70,7 @@ const std::vector<PublishedExperiment>& published_experiments() {
          return c;
        }},
       {"direction of force", "25.6 degrees by touch alone", "Barbagli, Salisbury, Ho, Spence and Tan (2006)",
-       kNotStated, 1.0, plain(),
+       not_stated, 1.0, plain(),
        [](const PlantedCase& real, double times) {
          PlantedCase c = real;
          c.tilt_rad = times * 25.6 / 180.0 * std::numbers::pi;
@@ -84,14 +84,14 @@ const std::vector<PublishedExperiment>& published_experiments() {
          return c;
        }},
       {"strength of vibration", "0.20 at 125 Hz, 10 dB above threshold", "Forta, Griffin and Morioka (2012)",
-       "three down and one up: 79 % right", kThreeDownOneUp_d, buzzing(),
+       "three down and one up: 79 % right", three_down_one_up_d, buzzing(),
        [](const PlantedCase& real, double times) {
          PlantedCase c = real;
          c.buzz_N *= stronger(0.20, times);
          return c;
        }},
       {"delay of a spring", "36 ms of delay in a spring, moved to and fro", "Rank, Shi, Mueller and Hirche (2010)",
-       kNotStated, 1.0, plain(),
+       not_stated, 1.0, plain(),
        [](const PlantedCase& real, double times) {
          PlantedCase c = real;
          c.delay_s = times * 0.036;

@@ -43,10 +43,10 @@ TEST(RealData, NeighbouringRowsOfARasterAreNearerThanASpringOnAPlane) {
 TEST(RealData, RecordsOfAnIndentationAreNearerThanAnyRendering) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "afm-indentation/fmt-tab-fd_version_0.13.3.tab");
   const auto comparisons = compare_indentation(read_approach(file));
-  ASSERT_EQ(comparisons.size(), kInterleaved * (kInterleaved - 1));
+  ASSERT_EQ(comparisons.size(), interleaved * (interleaved - 1));
   for (const auto& own : comparisons) {
     const auto& c = own.evaluation.conditions;
-    ASSERT_EQ(c.size(), kIndentationConditions);
+    ASSERT_EQ(c.size(), indentation_conditions);
     std::cout << "record " << own.real << " against " << own.other << ": again " << c[0].distance << ", d "
               << c[1].distance << ", d^1.5 " << c[2].distance << ", d^2 " << c[3].distance << ", d^"
               << own.fitted_exponent << " " << c[4].distance << "\n";

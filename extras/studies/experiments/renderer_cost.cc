@@ -25,9 +25,9 @@ using report::Tone;
 
 namespace {
 
-constexpr double kStiffness_N_per_m = 500.0;
-constexpr double kMu = 0.3;
-constexpr double kBall_m = 1e-3;
+constexpr double stiffness_N_per_m = 500.0;
+constexpr double true_mu = 0.3;
+constexpr double ball_m = 1e-3;
 
 struct Kind {
   const rendering::RendererEntry* entry;
@@ -40,13 +40,13 @@ std::vector<Kind> kinds() {
   const auto has = [](const rendering::RendererEntry& entry, std::string_view name) {
     return std::ranges::any_of(entry.parameters, [name](const auto& parameter) { return parameter.name == name; });
   };
-  for (const double radius_m : {0.0, kBall_m}) {
+  for (const double radius_m : {0.0, ball_m}) {
     for (const auto& entry : renderers::renderer_catalogue()) {
       if (radius_m > 0.0 && !has(entry, "tip_radius_m")) continue;
       const bool friction = has(entry, "mu_dynamic");
       // The friction cone without friction is the god-object.
       if (!entry.needs_friction) result.push_back({&entry, radius_m, 0.0});
-      if (friction) result.push_back({&entry, radius_m, kMu});
+      if (friction) result.push_back({&entry, radius_m, true_mu});
     }
   }
   return result;
@@ -57,7 +57,7 @@ Model model_of(const Kind& kind, double voxels) {
   model.renderer = kind.entry->name;
   model.source = "experiment cost";
   for (const auto& parameter : kind.entry->parameters) {
-    if (parameter.name == "stiffness_N_per_m") model.parameters[parameter.name] = kStiffness_N_per_m;
+    if (parameter.name == "stiffness_N_per_m") model.parameters[parameter.name] = stiffness_N_per_m;
     if (parameter.name == "resolution") model.parameters[parameter.name] = voxels;
     if (parameter.name == "tip_radius_m") model.parameters[parameter.name] = kind.tip_radius_m;
     if (parameter.name == "mu_static" || parameter.name == "mu_dynamic") model.parameters[parameter.name] = kind.mu;
@@ -123,8 +123,8 @@ Rows rows_of(const std::vector<RendererCost>& costs) {
 // A line for every renderer, a dashed one where it has a ball for a tip.
 report::LinePlot over_the_mesh(std::string title, std::string y_label, const std::vector<RendererCost>& costs,
                                double (*value)(const RendererCost&)) {
-  constexpr std::array kTones{Tone::rendered, Tone::measured,  Tone::error,  Tone::good,
-                              Tone::warning,  Tone::reference, Tone::neutral};
+  constexpr std::array tones{Tone::rendered, Tone::measured,  Tone::error,  Tone::good,
+                             Tone::warning,  Tone::reference, Tone::neutral};
   report::LinePlot plot;
   plot.title = std::move(title);
   plot.x_label = "triangles";
@@ -133,7 +133,7 @@ report::LinePlot over_the_mesh(std::string title, std::string y_label, const std
   plot.log_x = plot.log_y = true;
   for (const auto& own : costs) {
     if (plot.lines.empty() || plot.lines.back().name != own.what)
-      plot.lines.push_back({own.what, {}, {}, kTones[plot.lines.size() % kTones.size()], own.tip_radius_m > 0.0, true});
+      plot.lines.push_back({own.what, {}, {}, tones[plot.lines.size() % tones.size()], own.tip_radius_m > 0.0, true});
     plot.lines.back().x.push_back(static_cast<double>(own.triangles));
     plot.lines.back().y.push_back(value(own));
   }

@@ -15,21 +15,21 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const CostOptions kSmall{{320}, 1000, 16};
+const CostOptions small{{320}, 1000, 16};
 
 const std::vector<RendererCost>& small_costs() {
-  static const auto costs = measure_costs(kSmall);
+  static const auto costs = measure_costs(small);
   return costs;
 }
 
 TEST(RendererCost, EveryRendererHasItsLinesAndFiguresThatCanBe) {
   const auto& costs = small_costs();
-  EXPECT_EQ(costs.size(), cost_cases(kSmall));
+  EXPECT_EQ(costs.size(), cost_cases(small));
   for (const auto& entry : renderers::renderer_catalogue())
     EXPECT_TRUE(std::ranges::any_of(costs, [&](const auto& own) { return own.renderer == entry.name; })) << entry.name;
   for (const auto& own : costs) {
     EXPECT_EQ(own.triangles, costs.front().triangles) << own.what;
-    EXPECT_EQ(own.timing.steps, kSmall.steps) << own.what;
+    EXPECT_EQ(own.timing.steps, small.steps) << own.what;
     EXPECT_GT(own.timing.mean_us, 0.0) << own.what;
     EXPECT_GE(own.timing.p99_us, own.timing.median_us) << own.what;
     EXPECT_GT(own.in_contact, 0.3) << own.what;
@@ -45,7 +45,7 @@ TEST(RendererCost, EveryRendererHasItsLinesAndFiguresThatCanBe) {
 }
 
 TEST(RendererCost, OperationsRepeatExactly) {
-  const auto again = measure_costs(kSmall);
+  const auto again = measure_costs(small);
   ASSERT_EQ(again.size(), small_costs().size());
   for (std::size_t i = 0; i < again.size(); ++i) {
     ASSERT_EQ(again[i].what, small_costs()[i].what);
@@ -89,7 +89,7 @@ TEST(RendererCost, TableAndJsonHoldEveryLine) {
 TEST(RendererCost, RefusesNothingToMeasure) {
   EXPECT_THROW(measure_costs({{}, 100, 16}), UsageError);
   EXPECT_THROW(measure_costs({{320}, 0, 16}), UsageError);
-  EXPECT_EQ(cost_cases({{320, 320, 500}, 100, 16}), 2 * cost_cases(kSmall));
+  EXPECT_EQ(cost_cases({{320, 320, 500}, 100, 16}), 2 * cost_cases(small));
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ TEST(FrictionExperiment, HelpsOnARealRecordingInBlocksThatItDidNotSee) {
 TEST(DensityExperiment, TheErrorIsFlatAboveAThousandTrianglesAndSteepBelowAndShadingHelps) {
   const DensityExperiment experiment = run_density_experiment(1);
   std::printf("%s%s", density_table(experiment, false).c_str(), density_table(experiment, true).c_str());
-  ASSERT_EQ(experiment.points.size(), kPublishedDensity.size());
+  ASSERT_EQ(experiment.points.size(), published_density.size());
   for (std::size_t i = 0; i < experiment.points.size(); ++i)
     EXPECT_EQ(experiment.points[i].triangles, density_triangles()[i]);
   EXPECT_EQ(density_to_json(density_from_json(density_to_json(experiment))), density_to_json(experiment));

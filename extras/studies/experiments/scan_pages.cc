@@ -96,7 +96,7 @@ Rows density_rows(const DensityExperiment& e, bool shading) {
     if (shading)
       row.insert(row.end(), {fmt::format("{:.4f}", p.shaded.mean_N),
                              fmt::format("{:.0f} %", 100.0 * (1.0 - p.shaded.mean_N / p.plain.mean_N))});
-    const auto& theirs = kPublishedDensity[i];
+    const auto& theirs = published_density[i];
     row.insert(row.end(), {fmt::format("{:.3f}", shading ? p.shaded_all.mean_N : p.plain_all.mean_N),
                            p.operations ? fmt::format("{}", p.operations->total()) : "not counted",
                            fmt::format("{:g}", theirs.kilo_triangles), fmt::format("{:.3f}", theirs.error_N),
@@ -144,12 +144,12 @@ Page friction_page(const FrictionExperiment& e, const report::Provenance& proven
   plot.x_label = "mu";
   plot.y_label = "mean force error [N]";
   plot.height_px = 400;
-  constexpr std::array kTones{Tone::rendered, Tone::measured, Tone::error, Tone::reference, Tone::good};
+  constexpr std::array tones{Tone::rendered, Tone::measured, Tone::error, Tone::reference, Tone::good};
   for (std::size_t i = 0; i < e.fits.size(); ++i) {
     for (const FrictionAtStiffness* const own : {&e.fits[i].soft, &e.fits[i].stiff})
       plot.lines.push_back(
           {fmt::format("true mu {:.2f}, {:.1f} N/mm", e.fits[i].true_mu, 1e-3 * own->stiffness_N_per_m), own->mu,
-           own->mean_error_N, kTones[i % kTones.size()], own == &e.fits[i].soft, true});
+           own->mean_error_N, tones[i % tones.size()], own == &e.fits[i].soft, true});
   }
   table.blocks.emplace_back(std::move(plot));
   page.sections.push_back(std::move(table));
@@ -158,7 +158,7 @@ Page friction_page(const FrictionExperiment& e, const report::Provenance& proven
       fmt::format("Two probes extrapolated to a rigid one (Richardson 1911); then {} times measured again "
                   "with the instruments' errors added a second time, and followed back to none (simulation "
                   "extrapolation: Cook and Stefanski 1994). The standard error is their spread.",
-                  kMeasuredAgain),
+                  measurements),
       {},
       false};
   estimate.blocks.emplace_back(table_of(friction_estimate_rows(e), "Coefficient estimated"));
@@ -210,7 +210,7 @@ Page density_page(const DensityExperiment& e, bool shading, const report::Proven
     plot.lines.push_back(density_line(
         e, "with force shading", [](const DensityPoint& p) { return p.shaded.mean_N; }, Tone::good));
   Line published{"published (another body)", {}, {}, Tone::reference, true, true};
-  for (const auto& p : kPublishedDensity) {
+  for (const auto& p : published_density) {
     published.x.push_back(1000.0 * p.kilo_triangles);
     published.y.push_back(p.error_N);
   }

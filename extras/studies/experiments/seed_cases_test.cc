@@ -109,7 +109,7 @@ TEST(SeededExperiments, HaveColumnsOfTheirOwnAndWordsThatAskForThem) {
   for (const std::size_t v : density_part(false).values) EXPECT_THAT(both.values.at(v), HasSubstr("proxy"));
   EXPECT_EQ(density_part(true).values.size(), both.values.size());
   EXPECT_EQ(density_part(false).findings.size() + density_part(true).findings.size(), both.findings.size());
-  EXPECT_THAT(seeded_voxel({}, 1).findings.at(kTimedVoxelFinding), HasSubstr("preprocessing"));
+  EXPECT_THAT(seeded_voxel({}, 1).findings.at(timed_voxel_finding), HasSubstr("preprocessing"));
 }
 
 class SeededProgram : public testing::BuiltProgram {};

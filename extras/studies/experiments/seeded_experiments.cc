@@ -47,7 +47,7 @@ VoxelExperiment voxel_without_numbers() {
   return e;
 }
 
-DensityExperiment density_without_numbers() { return {0, std::vector<DensityPoint>(kPublishedDensity.size())}; }
+DensityExperiment density_without_numbers() { return {0, std::vector<DensityPoint>(published_density.size())}; }
 
 // Of both commands, experiment 3 first.
 std::vector<std::string> density_statements() {
@@ -92,7 +92,7 @@ SeededExperiment seeded_voxel(const VoxelExperimentOptions& options, std::uint64
     for (const char* const value : voxel_values) own.values.push_back(renderer + value);
   }
   own.findings = statements(voxel_findings(voxel_without_numbers()));
-  own.timed_finding = kTimedVoxelFinding;
+  own.timed_finding = timed_voxel_finding;
   own.words = words("voxel", options.seed, seeds);
   append(own.words, std::vector<std::string>{"--triangles", fmt::format("{}", options.triangles)});
   own.alone = true;  // it measures times
@@ -109,12 +109,12 @@ SeededExperiment seeded_voxel(const VoxelExperimentOptions& options, std::uint64
 SeededExperiment seeded_friction(std::uint64_t first_seed, std::uint64_t seeds) {
   SeededExperiment own;
   own.name = "friction";
-  own.settings = fmt::format(R"({{"mu":[{}]}})", fmt::join(kFrictionCoefficients, ","));
+  own.settings = fmt::format(R"({{"mu":[{}]}})", fmt::join(friction_coefficients, ","));
   own.first_seed = first_seed;
   own.seeds = seeds;
-  own.seed_step = kFrictionCoefficients.size();
-  for (const double mu : kFrictionCoefficients) {
-    for (const double stiffness : {kSoftProbe_N_per_m, kStiffProbe_N_per_m}) {
+  own.seed_step = friction_coefficients.size();
+  for (const double mu : friction_coefficients) {
+    for (const double stiffness : {soft_probe_N_per_m, stiff_probe_N_per_m}) {
       for (const char* const value : {"fitted mu", "without [N]", "with [N]"})
         own.values.push_back(fmt::format("mu {:.2f}, probe of {:.0f} N/m: {}", mu, stiffness, value));
     }
@@ -123,13 +123,13 @@ SeededExperiment seeded_friction(std::uint64_t first_seed, std::uint64_t seeds) 
   }
   own.findings = statements(friction_findings({}));
   own.words = words("friction", first_seed, seeds);
-  own.parts = kFrictionCoefficients.size() * kFrictionReplays;
+  own.parts = friction_coefficients.size() * friction_replays;
   own.bytes = 300'000'000;
   own.run = [first_seed](std::uint64_t number, const runs::PartDone& part_done) {
     FrictionExperiment e;
-    for (std::size_t i = 0; i < kFrictionCoefficients.size(); ++i) {
+    for (std::size_t i = 0; i < friction_coefficients.size(); ++i) {
       e.fits.push_back(
-          fit_friction(first_seed + kFrictionCoefficients.size() * number + i, kFrictionCoefficients[i], part_done));
+          fit_friction(first_seed + friction_coefficients.size() * number + i, friction_coefficients[i], part_done));
     }
     return SeedResult{friction_numbers(e), held(friction_findings(e)), friction_to_json(e), ""};
   };
@@ -163,7 +163,7 @@ SeededExperiment seeded_density(std::uint64_t first_seed, std::uint64_t seeds, b
 
 SpreadPart density_part(bool shading) {
   SpreadPart part;
-  for (std::size_t v = 0; v < 2 * kPublishedDensity.size(); v += shading ? 1 : 2) part.values.push_back(v);
+  for (std::size_t v = 0; v < 2 * published_density.size(); v += shading ? 1 : 2) part.values.push_back(v);
   const std::size_t of_density = density_findings(density_without_numbers()).size();
   const std::size_t all = density_statements().size();
   for (std::size_t f = shading ? of_density : 0; f < (shading ? all : of_density); ++f) part.findings.push_back(f);
@@ -173,14 +173,14 @@ SpreadPart density_part(bool shading) {
 SeededExperiment seeded_springs(std::uint64_t first_seed, std::uint64_t seeds) {
   SeededExperiment own;
   own.name = "springs";
-  own.settings = fmt::format(R"({{"scanned_seeds":{}}})", kScanSeeds);
+  own.settings = fmt::format(R"({{"scanned_seeds":{}}})", scan_seeds);
   own.first_seed = first_seed;
   own.seeds = seeds;
   const auto variants = spring_variants();
   const auto& methods = perception::statistical_methods();
   for (const Variant& variant : variants) {
     own.values.push_back(fmt::format("{}: {}, Spearman's rho with the paper's order", variant.name,
-                                     perception::kPerceptionSpaceMethod.name));
+                                     perception::perception_space_method.name));
     for (const auto& method : methods)
       own.values.push_back(
           fmt::format("{}: {}, Spearman's rho with the paper's order", variant.name, method.method.name));
@@ -194,7 +194,7 @@ SeededExperiment seeded_springs(std::uint64_t first_seed, std::uint64_t seeds) {
   own.alone = true;  // an evaluation takes all cores
   own.parts = spring_parts(true);
   own.run = [first_seed](std::uint64_t number, const runs::PartDone& part_done) {
-    const SpringSeed seed = run_spring_seed(first_seed + number, number < kScanSeeds, part_done);
+    const SpringSeed seed = run_spring_seed(first_seed + number, number < scan_seeds, part_done);
     SeedResult result;
     for (const SpringSeed::OfVariant& variant : seed.variants) {
       append(result.values, variant.agreement);

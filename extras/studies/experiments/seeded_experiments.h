@@ -9,7 +9,7 @@
 namespace touchstone::experiments {
 
 // The coefficients of the scans that a seed of the friction experiment takes, one scan and one number each.
-inline constexpr std::array kFrictionCoefficients{0.25, 0.15, 0.40};
+inline constexpr std::array friction_coefficients{0.25, 0.15, 0.40};
 
 // Their documents are what voxel_from(), friction_from_json(), density_from_json() and spring_seed_from_json() read.
 // `options.seed` is the first; the series that the report draws are kept of the first seed alone.

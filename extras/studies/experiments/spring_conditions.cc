@@ -64,8 +64,8 @@ double sensed_N(const SpringSetup& setup, double force_N, Random& random) {
 
 std::vector<SpringCondition> spring_conditions(const SpringSetup& setup) {
   std::vector<SpringCondition> conditions;
-  for (const auto& printed : published::kConditions) {
-    for (const auto& device : published::kDevices) {
+  for (const auto& printed : published::published_conditions) {
+    for (const auto& device : published::devices) {
       if (device.name != printed.device) continue;
       conditions.push_back({fmt::format("{}, F = k dx{}", device.name, printed.linear ? "" : "^2"),
                             std::string(device.name), printed.linear, model_of(setup, device, printed.linear)});

@@ -132,7 +132,7 @@ void count(VariantResult& result, const SpringSeed::OfVariant& own, double weigh
   result.mean_explained_share += weight * own.explained_share;
   const auto& methods = pc::statistical_methods();
   result.mean_statistic.resize(methods.size());
-  result.methods = {std::string(pc::kPerceptionSpaceMethod.name)};
+  result.methods = {std::string(pc::perception_space_method.name)};
   for (std::size_t m = 0; m < methods.size(); ++m) {
     add_to(result.mean_statistic[m], own.statistics[m], weight);
     result.methods.emplace_back(methods[m].method.name);
@@ -155,11 +155,11 @@ std::vector<ScanPoint> spring_scan_points() {
 SpringExperiment run_spring_experiment(std::uint64_t first_seed, std::size_t seeds,
                                        const std::function<void(std::size_t done, std::size_t of)>& progress) {
   std::size_t done = 0;
-  const std::size_t scanned = std::min(seeds, kScanSeeds);
+  const std::size_t scanned = std::min(seeds, scan_seeds);
   const std::size_t all = scanned * spring_parts(true) + (seeds - scanned) * spring_parts(false);
   std::vector<SpringSeed> of_seed;
   for (std::size_t s = 0; s < seeds; ++s) {
-    of_seed.push_back(run_spring_seed(first_seed + s, s < kScanSeeds, [&] {
+    of_seed.push_back(run_spring_seed(first_seed + s, s < scan_seeds, [&] {
       if (progress) progress(++done, all);
     }));
   }
@@ -195,7 +195,7 @@ SpringExperiment gather_springs(std::uint64_t first_seed, const std::vector<Spri
   experiment.example = spring_example(first_seed);
   // Ten observers, as the paper had subjects; they feel the example's distances with a noise of a quarter of their
   // range.
-  const auto distances = experiment.example.values(pc::kPerceptionSpaceMethod.name);
+  const auto distances = experiment.example.values(pc::perception_space_method.name);
   const auto [low, high] = std::minmax_element(distances.begin(), distances.end());
   pc::SimulatedObserver observer;
   observer.noise = 0.25 * (*high - *low);

@@ -51,7 +51,7 @@ struct Share {
 
 struct VariantResult {
   Variant variant;
-  // By finding, then by scaling rule (kFeatureScalings); a finding about statistics alone has one entry.
+  // By finding, then by scaling rule (feature_scalings); a finding about statistics alone has one entry.
   std::vector<std::vector<Share>> findings;
   // By feature, with that feature alone, unscaled: the findings about the space.
   std::vector<std::vector<Share>> by_feature;
@@ -88,7 +88,7 @@ struct SpringExperiment {
 };
 
 // The scan needs no more: it shows where a finding begins and ends, not how sure it is.
-inline constexpr std::size_t kScanSeeds = 20;
+inline constexpr std::size_t scan_seeds = 20;
 
 struct SpringSeed;  // apps/experiments/spring_seed.h
 // Everything over the seeds that ran, in their order; the example is made anew of the first.

@@ -42,7 +42,7 @@ TEST(SpringConditions, AreOrdinaryModelsWithTheDevicesOfTable1) {
       const auto signal = press_condition(setup, condition, 1, 0);
       ASSERT_EQ(signal.t_s.size(), 10000u);
       double limit = 0.0;
-      for (const auto& device : pc::published::kDevices) {
+      for (const auto& device : pc::published::devices) {
         if (device.name == condition.device) limit = device.maximum_force_N;
       }
       const double peak = *std::max_element(signal.force_N.begin(), signal.force_N.end());
@@ -68,7 +68,7 @@ TEST(SpringConditions, TheRealSpringIsLinearWithinItsSensors) {
 
 TEST(Findings, AreTrueOfThePapersOwnTables) {
   Costs costs;
-  for (const auto& own : pc::published::kConditions) {
+  for (const auto& own : pc::published::published_conditions) {
     costs.space.push_back(own.distance);
     costs.euclidean.push_back(own.euclidean);
     costs.pearson.push_back(1.0 - own.pearson);

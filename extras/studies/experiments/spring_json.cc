@@ -47,7 +47,7 @@ Json variant_to_json(const VariantResult& own) {
     Json entry{{"name", all[f].name}, {"statement", all[f].statement}};
     if (all[f].uses_space) {
       for (std::size_t s = 0; s < own.findings[f].size(); ++s) {
-        entry["by_scaling"][std::string(pc::name_of(pc::kFeatureScalings[s]))] = share(own.findings[f][s]);
+        entry["by_scaling"][std::string(pc::name_of(pc::feature_scalings[s]))] = share(own.findings[f][s]);
       }
       for (std::size_t b = 0; b < own.features.size(); ++b)
         entry["by_feature_alone"][own.features[b]] = share(own.by_feature[b][f]);
@@ -58,7 +58,7 @@ Json variant_to_json(const VariantResult& own) {
   }
   Json result{{"name", own.variant.name}, {"what", own.variant.what}, {"findings", findings}};
   for (std::size_t s = 0; s < own.mean_distance.size(); ++s) {
-    result["mean_distance"][std::string(pc::name_of(pc::kFeatureScalings[s]))] = numbers(own.mean_distance[s]);
+    result["mean_distance"][std::string(pc::name_of(pc::feature_scalings[s]))] = numbers(own.mean_distance[s]);
   }
   for (std::size_t b = 0; b < own.features.size(); ++b) {
     result["mean_distance_by_feature"][own.features[b]] = numbers(own.mean_block_distance[b]);

@@ -49,7 +49,7 @@ Section findings_section(const SpringExperiment& e) {
     Table table;
     table.caption = fmt::format("{}: {}", own.variant.name, own.variant.what);
     table.columns = {"finding of the paper"};
-    for (const auto scaling : pc::kFeatureScalings) table.columns.emplace_back(pc::name_of(scaling));
+    for (const auto scaling : pc::feature_scalings) table.columns.emplace_back(pc::name_of(scaling));
     for (std::size_t f = 0; f < findings.size(); ++f) {
       Table::Row row = finding_row(f);
       for (const auto& share : own.findings[f]) row.cells.push_back(share_cell(share));
@@ -141,7 +141,7 @@ Table table_of_the_paper(const SpringExperiment& e) {
   table.columns = {"condition",           "distance in perception space", "Euclidean distance [N]",
                    "Pearson correlation", "Euclidean, filtered [N]",      "Pearson, filtered"};
   for (std::size_t c = 0; c < e.conditions.size(); ++c) {
-    const auto& printed = pc::published::kConditions[c];
+    const auto& printed = pc::published::published_conditions[c];
     const double theirs[] = {printed.distance, printed.euclidean, printed.pearson, printed.euclidean_filtered,
                              printed.pearson_filtered};
     Table::Row row;
@@ -187,7 +187,7 @@ Section agreement_table(const SpringExperiment& e) {
   published.caption = "The same from the paper's own tables 2 and 3.";
   published.columns = {"method", "Spearman's rho"};
   std::vector<double> space, euclidean, pearson, euclidean_filtered, pearson_filtered, likeness;
-  for (const auto& own : pc::published::kConditions) {
+  for (const auto& own : pc::published::published_conditions) {
     space.push_back(own.distance);
     euclidean.push_back(own.euclidean);
     pearson.push_back(own.pearson);

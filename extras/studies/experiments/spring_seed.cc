@@ -30,7 +30,7 @@ pc::PerceptualEvaluation evaluate_seed(const Variant& variant, const std::vector
 }
 
 // Larger is more like the real process, in the order of spring_conditions(): the order that the paper's subjects gave.
-const std::vector<double> kPublishedLikeness{6, 5, 4, 3, 2, 1};
+const std::vector<double> published_likeness{6, 5, 4, 3, 2, 1};
 
 // The presses as a recording: the surface is z = 0, outward is +z.
 Recording recording_of(const pc::PressSignal& press) {
@@ -68,13 +68,13 @@ std::vector<double> agreement_beside(const Variant& variant, const std::vector<S
   }
   std::vector<double> agreement;
   for (std::size_t m = 0; m < names.size(); ++m) {
-    agreement.push_back(pc::agree(names[m], values[m], larger_is_better[m], kPublishedLikeness).spearman.coefficient);
+    agreement.push_back(pc::agree(names[m], values[m], larger_is_better[m], published_likeness).spearman.coefficient);
   }
   return agreement;
 }
 
 Costs costs_of(const pc::PerceptualEvaluation& evaluation) {
-  Costs costs{evaluation.values(pc::kPerceptionSpaceMethod.name), evaluation.values("euclidean"),
+  Costs costs{evaluation.values(pc::perception_space_method.name), evaluation.values("euclidean"),
               evaluation.values("pearson")};
   for (double& value : costs.pearson) value = 1.0 - value;
   return costs;
@@ -90,7 +90,7 @@ const std::vector<double>& of_method(const SpringSeed::OfVariant& own, std::stri
 
 SpringSeed::OfVariant numbers_of(const pc::PerceptualEvaluation& evaluation) {
   SpringSeed::OfVariant own;
-  for (const auto scaling : pc::kFeatureScalings)
+  for (const auto scaling : pc::feature_scalings)
     own.spaces.push_back(pc::distances_with_scaling(evaluation, scaling, evaluation.explained_share_wanted));
   own.features = evaluation.features;
   for (std::size_t b = 0; b < own.features.size(); ++b) {
@@ -99,10 +99,10 @@ SpringSeed::OfVariant numbers_of(const pc::PerceptualEvaluation& evaluation) {
   }
   const auto likeness = [&](const pc::Method& method) {
     return pc::agree(std::string(method.name), evaluation.values(method.name), method.larger_is_better,
-                     kPublishedLikeness)
+                     published_likeness)
         .spearman.coefficient;
   };
-  own.agreement.push_back(likeness(pc::kPerceptionSpaceMethod));
+  own.agreement.push_back(likeness(pc::perception_space_method));
   for (const auto& statistical : pc::statistical_methods()) {
     own.statistics.push_back(evaluation.values(statistical.method.name));
     own.agreement.push_back(likeness(statistical.method));

@@ -13,7 +13,7 @@ namespace touchstone::experiments {
 struct SpringSeed {
   // One way to set up what the paper leaves open; the conditions in the order of spring_conditions().
   struct OfVariant {
-    std::vector<std::vector<double>> spaces;  // distance by scaling rule (kFeatureScalings), by condition
+    std::vector<std::vector<double>> spaces;  // distance by scaling rule (feature_scalings), by condition
     std::vector<std::string> features;
     std::vector<std::vector<double>> blocks;      // distance by feature alone, by condition
     std::vector<std::vector<double>> statistics;  // by method of statistical_methods(), by condition

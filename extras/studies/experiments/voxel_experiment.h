@@ -79,7 +79,7 @@ VoxelExperiment run_voxel_experiment(const VoxelExperimentOptions& options, cons
 
 // Of rows that have the god-object and 32^3 and 64^3 voxels; the statements do not depend on the numbers.
 std::vector<VoxelFinding> voxel_findings(const VoxelExperiment& experiment);
-inline constexpr std::size_t kTimedVoxelFinding = 6;  // the one about preprocessing rests on times
+inline constexpr std::size_t timed_voxel_finding = 6;  // the one about preprocessing rests on times
 
 // Ours and the paper's beside it; the findings.
 std::string voxel_table(const VoxelExperiment& experiment);

@@ -16,15 +16,15 @@ namespace touchstone::contacts {
 namespace {
 
 // A body of about 20 mm that the hand holds 15 mm above and 5 mm beside its centre: every contact has a lever.
-const Vec3 kCenter_T_m(0.005, -0.002, -0.015);
-constexpr std::size_t kFineTriangles = 10000;
-constexpr std::size_t kPoses = 8;
-constexpr double kSlabHalf_m = 0.04;
-constexpr double kAside_m = 0.004;
+const Vec3 center_T_m(0.005, -0.002, -0.015);
+constexpr std::size_t fine_triangles = 10000;
+constexpr std::size_t poses = 8;
+constexpr double slab_half_m = 0.04;
+constexpr double sideways_m = 0.004;
 
 // Each case is made `s` times as large as its description says.
 surface::TriangleMesh slab(double s) {
-  return box_mesh(s * Vec3(-kSlabHalf_m, -kSlabHalf_m, -0.02), s * Vec3(kSlabHalf_m, kSlabHalf_m, 0.0), 8);
+  return box_mesh(s * Vec3(-slab_half_m, -slab_half_m, -0.02), s * Vec3(slab_half_m, slab_half_m, 0.0), 8);
 }
 
 // Poses about `touching`, pressed in by 0.5 to 3 mm along -z, whatever the size, and turned by up to `tilt`. A fixed
@@ -32,7 +32,7 @@ surface::TriangleMesh slab(double s) {
 void add_presses(ExactCase& c, const tool::Pose& touching, double tilt_rad, double aside_m) {
   Random random(2007);
   c.free = {touching.p_W_m + Vec3(0, 0, 0.006), touching.q_WT};
-  for (std::size_t i = 0; i < kPoses; ++i) {
+  for (std::size_t i = 0; i < poses; ++i) {
     const Vec3 aside(random.uniform(-aside_m, aside_m), random.uniform(-aside_m, aside_m),
                      -random.uniform(0.0005, 0.003));
     c.handles.push_back(moved(touching, {aside, random.uniform(0.2, 1.0) * tilt_rad * random.direction()}));
@@ -42,59 +42,59 @@ void add_presses(ExactCase& c, const tool::Pose& touching, double tilt_rad, doub
 ExactCase sphere_on_plane(double s) {
   ExactCase c;
   c.what = "a ball of 20 mm on a plane";
-  c.tool_T = ellipsoid_mesh(s * kCenter_T_m, Vec3::Constant(s * 0.01), kFineTriangles);
+  c.tool_T = ellipsoid_mesh(s * center_T_m, Vec3::Constant(s * 0.01), fine_triangles);
   c.object_W = slab(s);
-  c.gaps = {ball_on_plane(s * kCenter_T_m, s * 0.01, Vec3::UnitZ(), 0.0)};
+  c.gaps = {ball_on_plane(s * center_T_m, s * 0.01, Vec3::UnitZ(), 0.0)};
   c.goes_on_along_x = true;
-  add_presses(c, {Vec3(0, 0, s * 0.025), Quat::Identity()}, 0.2, s * kAside_m);
+  add_presses(c, {Vec3(0, 0, s * 0.025), Quat::Identity()}, 0.2, s * sideways_m);
   return c;
 }
 
 ExactCase sphere_on_sphere(double s) {
   ExactCase c;
   c.what = "a ball of 20 mm on a ball of 60 mm";
-  c.tool_T = ellipsoid_mesh(s * kCenter_T_m, Vec3::Constant(s * 0.01), kFineTriangles);
-  c.object_W = ellipsoid_mesh(Vec3(0, 0, s * -0.03), Vec3::Constant(s * 0.03), kFineTriangles);
-  c.gaps = {ball_on_ball(s * kCenter_T_m, s * 0.01, Vec3(0, 0, s * -0.03), s * 0.03)};
-  add_presses(c, {Vec3(0, 0, s * 0.025), Quat::Identity()}, 0.2, s * kAside_m);
+  c.tool_T = ellipsoid_mesh(s * center_T_m, Vec3::Constant(s * 0.01), fine_triangles);
+  c.object_W = ellipsoid_mesh(Vec3(0, 0, s * -0.03), Vec3::Constant(s * 0.03), fine_triangles);
+  c.gaps = {ball_on_ball(s * center_T_m, s * 0.01, Vec3(0, 0, s * -0.03), s * 0.03)};
+  add_presses(c, {Vec3(0, 0, s * 0.025), Quat::Identity()}, 0.2, s * sideways_m);
   return c;
 }
 
-const Vec3 kSemiAxes_m(0.012, 0.008, 0.006);
+const Vec3 semi_axes_m(0.012, 0.008, 0.006);
 
 ExactCase ellipsoid_on_plane_case(double s) {
   ExactCase c;
   c.what = "an ellipsoid of 24 x 16 x 12 mm on a plane";
-  c.tool_T = ellipsoid_mesh(s * kCenter_T_m, s * kSemiAxes_m, kFineTriangles);
+  c.tool_T = ellipsoid_mesh(s * center_T_m, s * semi_axes_m, fine_triangles);
   c.object_W = slab(s);
-  c.gaps = {ellipsoid_on_plane(s * kCenter_T_m, s * kSemiAxes_m, Vec3::UnitZ(), 0.0)};
+  c.gaps = {ellipsoid_on_plane(s * center_T_m, s * semi_axes_m, Vec3::UnitZ(), 0.0)};
   c.goes_on_along_x = true;
-  add_presses(c, {Vec3(0, 0, s * 0.021), Quat::Identity()}, 0.3, s * kAside_m);
+  add_presses(c, {Vec3(0, 0, s * 0.021), Quat::Identity()}, 0.3, s * sideways_m);
   return c;
 }
 
 ExactCase ellipsoid_on_sphere_case(double s) {
   ExactCase c;
   c.what = "an ellipsoid of 24 x 16 x 12 mm on a ball of 60 mm";
-  c.tool_T = ellipsoid_mesh(s * kCenter_T_m, s * kSemiAxes_m, kFineTriangles);
-  c.object_W = ellipsoid_mesh(Vec3(0, 0, s * -0.03), Vec3::Constant(s * 0.03), kFineTriangles);
-  c.gaps = {ellipsoid_on_ball(s * kCenter_T_m, s * kSemiAxes_m, Vec3(0, 0, s * -0.03), s * 0.03)};
-  add_presses(c, {Vec3(0, 0, s * 0.021), Quat::Identity()}, 0.2, s * kAside_m);
+  c.tool_T = ellipsoid_mesh(s * center_T_m, s * semi_axes_m, fine_triangles);
+  c.object_W = ellipsoid_mesh(Vec3(0, 0, s * -0.03), Vec3::Constant(s * 0.03), fine_triangles);
+  c.gaps = {ellipsoid_on_ball(s * center_T_m, s * semi_axes_m, Vec3(0, 0, s * -0.03), s * 0.03)};
+  add_presses(c, {Vec3(0, 0, s * 0.021), Quat::Identity()}, 0.2, s * sideways_m);
   return c;
 }
 
-// A cube of 20 mm about kCenter_T_m, turned so that a face, an edge or a corner is lowest.
+// A cube of 20 mm about center_T_m, turned so that a face, an edge or a corner is lowest.
 ExactCase cube_on_plane(const std::string& what, const Quat& turned, double lowest_m, double tilt_rad, double s) {
   ExactCase c;
   c.what = what;
-  const Vec3 center = s * kCenter_T_m;
+  const Vec3 center = s * center_T_m;
   const Vec3 half = Vec3::Constant(s * 0.01);
   c.tool_T = box_mesh(center - half, center + half);
   c.object_W = slab(s);
   for (const Vec3& corner : c.tool_T.vertices_W_m) c.gaps.push_back(ball_on_plane(corner, 0.0, Vec3::UnitZ(), 0.0));
   c.goes_on_along_x = true;
   const Vec3 center_W = turned * center;
-  add_presses(c, {Vec3(0, 0, s * lowest_m - center_W.z()), turned}, tilt_rad, s * kAside_m);
+  add_presses(c, {Vec3(0, 0, s * lowest_m - center_W.z()), turned}, tilt_rad, s * sideways_m);
   return c;
 }
 
@@ -111,7 +111,7 @@ ExactCase two_spheres_on_a_bar(double s) {
   c.object_W = slab(s);
   c.gaps = {ball_on_plane(first, s * 0.005, Vec3::UnitZ(), 0.0), ball_on_plane(second, s * 0.005, Vec3::UnitZ(), 0.0)};
   c.goes_on_along_x = true;
-  add_presses(c, {Vec3(0, 0, s * 0.025), Quat::Identity()}, 0.05, s * kAside_m);
+  add_presses(c, {Vec3(0, 0, s * 0.025), Quat::Identity()}, 0.05, s * sideways_m);
   return c;
 }
 
@@ -124,7 +124,7 @@ ExactCase cylinder_in_groove(double s) {
   const Vec3 center(0, 0, s * -0.015);
   c.goes_on_along_x = true;
   c.tool_T = cylinder_mesh(center, radius, length, 360);
-  c.object_W = groove_mesh(depth, 0.25 * std::numbers::pi, s * kSlabHalf_m);
+  c.object_W = groove_mesh(depth, 0.25 * std::numbers::pi, s * slab_half_m);
   for (const double side : {-1.0, 1.0}) {
     // The wall that rises to +y looks to -y.
     const Vec3 n = Vec3(0, -side, 1).normalized();
@@ -145,11 +145,11 @@ ExactCase peg_in_hole(double clearance_m, double s) {
   const double end_T = s * -0.035;
   const double inserted = s * 0.015;
   c.tool_T = box_mesh(Vec3(-half, -half, end_T), Vec3(half, half, end_T + s * 0.04));
-  c.object_W = hole_mesh(half + clearance_m, s * kSlabHalf_m, s * 0.03);
+  c.object_W = hole_mesh(half + clearance_m, s * slab_half_m, s * 0.03);
   for (const GapOfPose& gap : square_peg_in_hole(half, end_T, half + clearance_m)) c.gaps.push_back(gap);
   c.free = {Vec3(0, 0, -end_T - inserted), Quat::Identity()};
   Random random(1982);
-  for (std::size_t i = 0; i < kPoses; ++i) {
+  for (std::size_t i = 0; i < poses; ++i) {
     const Vec3 aside(random.uniform(-0.002, 0.002), 0.0, 0.0);
     c.handles.push_back(moved(c.free, {aside, Vec3(0, random.uniform(-0.08, 0.08), 0)}));
   }
@@ -192,9 +192,9 @@ const std::vector<Known>& catalogue() {
 void check_shape(std::string_view name, const tool::ContactShape& shape) {
   if (!(shape.scale > 0.0) || !std::isfinite(shape.scale))
     throw UsageError(fmt::format("case '{}': scale {}; more than 0 was expected", name, shape.scale));
-  if (name == kPeg && !shape.clearance_m)
+  if (name == peg && !shape.clearance_m)
     throw UsageError("case 'peg': give clearance_m, or take a case with one, such as peg-0.2mm");
-  if (name != kPeg && shape.clearance_m)
+  if (name != peg && shape.clearance_m)
     throw UsageError(fmt::format("case '{}' takes no clearance_m; 'peg' does", name));
   if (shape.clearance_m && (!(*shape.clearance_m > 0.0) || !std::isfinite(*shape.clearance_m)))
     throw UsageError(fmt::format("case 'peg': clearance_m {}; more than 0 was expected", *shape.clearance_m));
@@ -215,7 +215,7 @@ ExactCase make_exact_case(std::string_view name, const tool::ContactShape& shape
     made.name = name;
     return made;
   };
-  if (name == kPeg) return named(peg_in_hole(*shape.clearance_m, shape.scale));
+  if (name == peg) return named(peg_in_hole(*shape.clearance_m, shape.scale));
   for (const Known& one : catalogue()) {
     if (one.name == name)
       return named(one.clearance_m ? peg_in_hole(*one.clearance_m, shape.scale) : one.make(shape.scale));

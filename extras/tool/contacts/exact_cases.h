@@ -25,9 +25,9 @@ struct ExactCase {
 };
 
 std::vector<std::string> exact_case_names();
-// Of `shape`; kPeg, which is none of the names, is the peg in a hole with the clearance that `shape` says. Throws
+// Of `shape`; peg, which is none of the names, is the peg in a hole with the clearance that `shape` says. Throws
 // UsageError for a name that is not known, a scale or clearance that is not above 0, a clearance of what is no peg.
-inline constexpr std::string_view kPeg = "peg";
+inline constexpr std::string_view peg = "peg";
 ExactCase make_exact_case(std::string_view name, const tool::ContactShape& shape = {});
 
 }  // namespace touchstone::contacts

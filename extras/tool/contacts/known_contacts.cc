@@ -50,7 +50,7 @@ tool::KnownContacts known_slides(std::string_view name, const tool::Coupling& co
   tool::KnownContacts slides = known(
       made, [&](const Pose& handle) { return sliding_equilibrium(made.gaps, handle, coupling, mu, Vec3::UnitX()); });
   for (const Pose& handle : slides.handles)
-    slides.slid_from.push_back({handle.p_W_m - Vec3(kSlide_m, 0, 0), handle.q_WT});
+    slides.slid_from.push_back({handle.p_W_m - Vec3(slide_m, 0, 0), handle.q_WT});
   return slides;
 }
 
@@ -58,11 +58,11 @@ std::size_t write_exact_case(const ExactCase& exact_case, double duration_s, con
   ensure_writable_folder(folder);
   save_mesh(exact_case.tool_T, folder / "tool.obj");
   save_mesh(exact_case.object_W, folder / "object.obj");
-  constexpr double kRate_Hz = 1000.0;
+  constexpr double rate_Hz = 1000.0;
   recording::TrajectoryWriter writer(folder / "path.csv", true);
-  const auto samples = static_cast<std::size_t>(duration_s * kRate_Hz);
+  const auto samples = static_cast<std::size_t>(duration_s * rate_Hz);
   for (std::size_t i = 0; i <= samples; ++i) {
-    const double t_s = double(i) / kRate_Hz;
+    const double t_s = double(i) / rate_Hz;
     const Pose pose = scripted_pose(exact_case, t_s, duration_s);
     writer.append(t_s, pose.p_W_m, pose.q_WT);
   }

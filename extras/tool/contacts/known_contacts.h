@@ -18,7 +18,7 @@ tool::KnownContacts known_contacts(std::string_view name, const tool::Coupling& 
 
 // The cases that can be slid along x, and one of them slid so far to each handle with this friction in every contact
 // (sliding_equilibrium()). known_slides() throws as known_contacts(), and UsageError for a case that cannot.
-inline constexpr double kSlide_m = 0.015;
+inline constexpr double slide_m = 0.015;
 std::vector<std::string> sliding_case_names();
 tool::KnownContacts known_slides(std::string_view name, const tool::Coupling& coupling, double mu);
 

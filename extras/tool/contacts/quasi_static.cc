@@ -14,10 +14,10 @@ using tool::Pose;
 namespace {
 
 // Solutions within rounding of the balance: 1e-13 of a newton and a metre at forces of a few newtons.
-constexpr double kResidual = 1e-12;
-constexpr double kSlack = 1e-12;  // m and N: rounding of gaps that touch in exact arithmetic
-constexpr int kRounds = 60;
-constexpr double kDerivativeStep = 1e-6;  // m and rad: only the speed of Newton's method depends on it
+constexpr double largest_residual = 1e-12;
+constexpr double slack = 1e-12;  // m and N: rounding of gaps that touch in exact arithmetic
+constexpr int rounds = 60;
+constexpr double derivative_step = 1e-6;  // m and rad: only the speed of Newton's method depends on it
 
 struct Candidate {
   Pose pose;
@@ -57,50 +57,50 @@ Eigen::VectorXd residual(const std::vector<GapOfPose>& gaps, const std::vector<s
 bool newton(const std::vector<GapOfPose>& gaps, const std::vector<std::size_t>& touching, const Pose& handle,
             const Coupling& coupling, const Slide& slide, Candidate& at) {
   const auto size = 6 + static_cast<Eigen::Index>(touching.size());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const Eigen::VectorXd r = residual(gaps, touching, handle, coupling, slide, at.pose, at.l);
     if (!r.allFinite()) return false;
-    if (r.norm() < kResidual) return true;
+    if (r.norm() < largest_residual) return true;
     Eigen::MatrixXd slope(size, size);
     for (Eigen::Index c = 0; c < size; ++c) {
       Displacement step;
       Eigen::VectorXd dl = Eigen::VectorXd::Zero(size - 6);
       if (c < 3)
-        step.translation_m[c] = kDerivativeStep;
+        step.translation_m[c] = derivative_step;
       else if (c < 6)
-        step.rotation_rad[c - 3] = kDerivativeStep;
+        step.rotation_rad[c - 3] = derivative_step;
       else
-        dl[c - 6] = kDerivativeStep;
+        dl[c - 6] = derivative_step;
       const Displacement back{-step.translation_m, -step.rotation_rad};
       slope.col(c) = (residual(gaps, touching, handle, coupling, slide, moved(at.pose, step), at.l + dl) -
                       residual(gaps, touching, handle, coupling, slide, moved(at.pose, back), at.l - dl)) /
-                     (2.0 * kDerivativeStep);
+                     (2.0 * derivative_step);
     }
     const Eigen::VectorXd d = LeastSquares(slope).solve(-r);
     at.pose = moved(at.pose, {d.head<3>(), d.segment<3>(3)});
     at.l += d.tail(size - 6);
   }
-  return residual(gaps, touching, handle, coupling, slide, at.pose, at.l).norm() < kResidual;
+  return residual(gaps, touching, handle, coupling, slide, at.pose, at.l).norm() < largest_residual;
 }
 
 Equilibrium solved(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling,
                    const Slide& slide) {
-  constexpr std::size_t kMostTouching = 4;
+  constexpr std::size_t most_touching = 4;
   Equilibrium best;
   double least = std::numeric_limits<double>::infinity();
   bool ambiguous = false;
   std::vector<std::size_t> touching;
   const auto try_set = [&] {
     Candidate at{handle, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(touching.size()))};
-    if (!newton(gaps, touching, handle, coupling, slide, at) || (at.l.array() < -kSlack).any()) return;
+    if (!newton(gaps, touching, handle, coupling, slide, at) || (at.l.array() < -slack).any()) return;
     for (const GapOfPose& gap : gaps) {
-      if (!(gap(at.pose).gap_m >= -kSlack)) return;
+      if (!(gap(at.pose).gap_m >= -slack)) return;
     }
     const double energy = coupling_energy_J(coupling, handle, at.pose);
     if (slide.mu > 0.0 && best.found) {
-      constexpr double kSame = 1e-9;  // m and rad
+      constexpr double same = 1e-9;  // m and rad
       const Displacement apart = displacement(best.proxy, at.pose);
-      ambiguous = ambiguous || !(apart.translation_m.norm() + apart.rotation_rad.norm() < kSame);
+      ambiguous = ambiguous || !(apart.translation_m.norm() + apart.rotation_rad.norm() < same);
     }
     if (!(energy < least)) return;
     least = energy;
@@ -114,7 +114,7 @@ Equilibrium solved(const std::vector<GapOfPose>& gaps, const Pose& handle, const
   };
   const std::function<void(std::size_t)> extend = [&](std::size_t from) {
     try_set();
-    if (touching.size() == kMostTouching) return;
+    if (touching.size() == most_touching) return;
     for (std::size_t j = from; j < gaps.size(); ++j) {
       touching.push_back(j);
       extend(j + 1);

@@ -19,8 +19,8 @@ using tool::Pose;
 
 namespace {
 
-constexpr tool::Coupling kCoupling{};
-constexpr double kExact = 1e-9;  // N and Nm
+constexpr tool::Coupling coupling{};
+constexpr double exact = 1e-9;  // N and Nm
 
 using Real = long double;
 // The root of a function that changes its sign once between low and high.
@@ -37,7 +37,7 @@ Pose handle_at(double x, double z, double turn_y) { return {Vec3(x, 0, z), tool:
 
 TEST(QuasiStatic, FreeToolFeelsNothing) {
   const Equilibrium e = quasi_static_equilibrium({ball_on_plane(Vec3::Zero(), 0.01, Vec3::UnitZ(), 0.0)},
-                                                 handle_at(0, 0.02, 0.1), kCoupling);
+                                                 handle_at(0, 0.02, 0.1), coupling);
   ASSERT_TRUE(e.found);
   EXPECT_EQ(e.wrench_W.f_N.norm(), 0.0);
   EXPECT_EQ(e.wrench_W.torque_Nm.norm(), 0.0);
@@ -45,37 +45,37 @@ TEST(QuasiStatic, FreeToolFeelsNothing) {
 
 // A ball held at its centre, pressed in by D: N = k_t D, mu N against the way, and the torque R mu N of the contact.
 TEST(SlidingEquilibrium, OfABallInClosedForm) {
-  constexpr double kRadius = 0.01, kDeep = 0.002, kMu = 0.4;
+  constexpr double radius = 0.01, deep = 0.002, mu = 0.4;
   const Vec3 along = Vec3(3, 4, 0).normalized();
-  const Equilibrium e = sliding_equilibrium({ball_on_plane(Vec3::Zero(), kRadius, Vec3::UnitZ(), 0.0)},
-                                            handle_at(0, kRadius - kDeep, 0.2), kCoupling, kMu, 0.05 * along);
+  const Equilibrium e = sliding_equilibrium({ball_on_plane(Vec3::Zero(), radius, Vec3::UnitZ(), 0.0)},
+                                            handle_at(0, radius - deep, 0.2), coupling, mu, 0.05 * along);
   ASSERT_TRUE(e.found);
-  const double f_n = kCoupling.stiffness_N_per_m * kDeep;
-  const Vec3 f = f_n * Vec3::UnitZ() - kMu * f_n * along;
-  EXPECT_LE((e.wrench_W.f_N - f).norm(), kExact);
-  EXPECT_LE((e.wrench_W.torque_Nm - Vec3(0, 0, -kRadius).cross(f)).norm(), kExact);
+  const double f_n = coupling.stiffness_N_per_m * deep;
+  const Vec3 f = f_n * Vec3::UnitZ() - mu * f_n * along;
+  EXPECT_LE((e.wrench_W.f_N - f).norm(), exact);
+  EXPECT_LE((e.wrench_W.torque_Nm - Vec3(0, 0, -radius).cross(f)).norm(), exact);
 }
 
 // A corner that is dragged and turns the tool about y: one unknown, the angle, in long double.
 TEST(SlidingEquilibrium, OfACornerInOneUnknown) {
-  constexpr double kMu = 0.3, kDeep = 0.0015;
+  constexpr double mu = 0.3, deep = 0.0015;
   const Vec3 corner(0.008, 0.0, -0.02);
-  const Pose handle = handle_at(0, 0.02 - kDeep, 0.0);
+  const Pose handle = handle_at(0, 0.02 - deep, 0.0);
   const auto arm_x = [&](Real a) { return std::cos(a) * Real(corner.x()) + std::sin(a) * Real(corner.z()); };
   const auto arm_z = [&](Real a) { return -std::sin(a) * Real(corner.x()) + std::cos(a) * Real(corner.z()); };
-  const auto load = [&](Real a) { return Real(kCoupling.stiffness_N_per_m) * (-arm_z(a) - Real(handle.p_W_m.z())); };
+  const auto load = [&](Real a) { return Real(coupling.stiffness_N_per_m) * (-arm_z(a) - Real(handle.p_W_m.z())); };
   const Real angle = root(
       [&](Real a) {
-        const Real torque = arm_z(a) * (-Real(kMu) * load(a)) - arm_x(a) * load(a);
-        return Real(kCoupling.rotational_stiffness_Nm_per_rad) * a - torque;
+        const Real torque = arm_z(a) * (-Real(mu) * load(a)) - arm_x(a) * load(a);
+        return Real(coupling.rotational_stiffness_Nm_per_rad) * a - torque;
       },
       -0.05L, 0.05L);
   const Equilibrium e =
-      sliding_equilibrium({ball_on_plane(corner, 0.0, Vec3::UnitZ(), 0.0)}, handle, kCoupling, kMu, Vec3::UnitX());
+      sliding_equilibrium({ball_on_plane(corner, 0.0, Vec3::UnitZ(), 0.0)}, handle, coupling, mu, Vec3::UnitX());
   ASSERT_TRUE(e.found);
-  EXPECT_NEAR(e.wrench_W.f_N.z(), double(load(angle)), kExact);
-  EXPECT_NEAR(e.wrench_W.f_N.x(), -kMu * double(load(angle)), kExact);
-  EXPECT_NEAR(e.wrench_W.torque_Nm.y(), kCoupling.rotational_stiffness_Nm_per_rad * double(angle), kExact);
+  EXPECT_NEAR(e.wrench_W.f_N.z(), double(load(angle)), exact);
+  EXPECT_NEAR(e.wrench_W.f_N.x(), -mu * double(load(angle)), exact);
+  EXPECT_NEAR(e.wrench_W.torque_Nm.y(), coupling.rotational_stiffness_Nm_per_rad * double(angle), exact);
 }
 
 // A flat face: many sets of corners hold it, all at one place.
@@ -83,18 +83,18 @@ TEST(SlidingEquilibrium, OfAFaceLiesFlat) {
   std::vector<GapOfPose> gaps;
   for (const double x : {-0.01, 0.01})
     for (const double y : {-0.01, 0.01}) gaps.push_back(ball_on_plane(Vec3(x, y, -0.01), 0.0, Vec3::UnitZ(), 0.0));
-  const Equilibrium e = sliding_equilibrium(gaps, handle_at(0, 0.008, 0.0), kCoupling, 0.3, Vec3::UnitX());
+  const Equilibrium e = sliding_equilibrium(gaps, handle_at(0, 0.008, 0.0), coupling, 0.3, Vec3::UnitX());
   ASSERT_TRUE(e.found);
-  EXPECT_LE((e.wrench_W.f_N - Vec3(-0.6, 0, 2.0)).norm(), kExact);
-  EXPECT_LE(e.wrench_W.torque_Nm.norm(), kExact);
+  EXPECT_LE((e.wrench_W.f_N - Vec3(-0.6, 0, 2.0)).norm(), exact);
+  EXPECT_LE(e.wrench_W.torque_Nm.norm(), exact);
 }
 
 TEST(QuasiStatic, BallHeldAtItsCentreHasNoTorque) {
   const Equilibrium e = quasi_static_equilibrium({ball_on_plane(Vec3::Zero(), 0.01, Vec3::UnitZ(), 0.0)},
-                                                 handle_at(0.1, 0.007, 0.3), kCoupling);
+                                                 handle_at(0.1, 0.007, 0.3), coupling);
   ASSERT_TRUE(e.found);
-  EXPECT_LE((e.wrench_W.f_N - Vec3(0, 0, 3.0)).norm(), kExact);
-  EXPECT_LE(e.wrench_W.torque_Nm.norm(), kExact);
+  EXPECT_LE((e.wrench_W.f_N - Vec3(0, 0, 3.0)).norm(), exact);
+  EXPECT_LE(e.wrench_W.torque_Nm.norm(), exact);
 }
 
 // A ball at (cx, cz) in T on z = 0, the handle turned by a about y: in the plane y = 0, with the proxy at angle b,
@@ -104,18 +104,18 @@ TEST(QuasiStatic, BallWithALeverOnAPlane) {
     const double cx = 0.012, cz = -0.015, r = 0.01, z_H = 0.02;
     const auto c_x = [&](Real b) { return cx * std::cos(b) + cz * std::sin(b); };
     const auto c_z = [&](Real b) { return -cx * std::sin(b) + cz * std::cos(b); };
-    const auto force = [&](Real b) { return kCoupling.stiffness_N_per_m * (r - c_z(b) - z_H); };
+    const auto force = [&](Real b) { return coupling.stiffness_N_per_m * (r - c_z(b) - z_H); };
     // The torque of a force l along z at c_x about y is (x - p) x f = -c_x l.
     const Real b = root(
         [&](Real angle) {
-          return kCoupling.rotational_stiffness_Nm_per_rad * (angle - turn) + c_x(angle) * force(angle);
+          return coupling.rotational_stiffness_Nm_per_rad * (angle - turn) + c_x(angle) * force(angle);
         },
         turn - 0.5, turn + 0.5);
     const Equilibrium e = quasi_static_equilibrium({ball_on_plane(Vec3(cx, 0, cz), r, Vec3::UnitZ(), 0.0)},
-                                                   handle_at(0, z_H, turn), kCoupling);
+                                                   handle_at(0, z_H, turn), coupling);
     ASSERT_TRUE(e.found);
-    EXPECT_NEAR(e.wrench_W.f_N.z(), double(force(b)), kExact);
-    EXPECT_NEAR(e.wrench_W.torque_Nm.y(), double(-c_x(b) * force(b)), kExact);
+    EXPECT_NEAR(e.wrench_W.f_N.z(), double(force(b)), exact);
+    EXPECT_NEAR(e.wrench_W.torque_Nm.y(), double(-c_x(b) * force(b)), exact);
     EXPECT_GT(std::abs(e.wrench_W.torque_Nm.y()), 1e-3);
   }
 }
@@ -124,11 +124,11 @@ TEST(QuasiStatic, BallOnABallBesideItsTop) {
   // Held at its centre: the force is along the line between the centres, of length k_t times the overlap.
   const Vec3 o(0.01, -0.02, -0.03);
   const Pose handle{Vec3(0.012, -0.013, 0.003), Quat::Identity()};
-  const Equilibrium e = quasi_static_equilibrium({ball_on_ball(Vec3::Zero(), 0.01, o, 0.03)}, handle, kCoupling);
+  const Equilibrium e = quasi_static_equilibrium({ball_on_ball(Vec3::Zero(), 0.01, o, 0.03)}, handle, coupling);
   ASSERT_TRUE(e.found);
   const Vec3 between = handle.p_W_m - o;
-  EXPECT_LE((e.wrench_W.f_N - 1000.0 * (0.04 - between.norm()) * between.normalized()).norm(), kExact);
-  EXPECT_LE(e.wrench_W.torque_Nm.norm(), kExact);
+  EXPECT_LE((e.wrench_W.f_N - 1000.0 * (0.04 - between.norm()) * between.normalized()).norm(), exact);
+  EXPECT_LE(e.wrench_W.torque_Nm.norm(), exact);
 }
 
 TEST(QuasiStatic, EllipsoidOnAPlaneRollsToItsBalance) {
@@ -140,17 +140,17 @@ TEST(QuasiStatic, EllipsoidOnAPlaneRollsToItsBalance) {
       return std::sqrt(a * a * std::sin(b) * std::sin(b) + c * c * std::cos(b) * std::cos(b));
     };
     const auto h_slope = [&](Real b) { return (a * a - c * c) * std::sin(b) * std::cos(b) / h(b); };
-    const auto force = [&](Real b) { return kCoupling.stiffness_N_per_m * (h(b) - z_H); };
+    const auto force = [&](Real b) { return coupling.stiffness_N_per_m * (h(b) - z_H); };
     const Real b = root(
         [&](Real angle) {
-          return kCoupling.rotational_stiffness_Nm_per_rad * (angle - turn) + force(angle) * h_slope(angle);
+          return coupling.rotational_stiffness_Nm_per_rad * (angle - turn) + force(angle) * h_slope(angle);
         },
         turn - 0.3, turn + 0.3);
     const Equilibrium e = quasi_static_equilibrium(
-        {ellipsoid_on_plane(Vec3::Zero(), Vec3(a, 0.008, c), Vec3::UnitZ(), 0.0)}, handle_at(0, z_H, turn), kCoupling);
+        {ellipsoid_on_plane(Vec3::Zero(), Vec3(a, 0.008, c), Vec3::UnitZ(), 0.0)}, handle_at(0, z_H, turn), coupling);
     ASSERT_TRUE(e.found);
-    EXPECT_NEAR(e.wrench_W.f_N.z(), double(force(b)), kExact);
-    EXPECT_NEAR(e.wrench_W.torque_Nm.y(), double(-force(b) * h_slope(b)), kExact);
+    EXPECT_NEAR(e.wrench_W.f_N.z(), double(force(b)), exact);
+    EXPECT_NEAR(e.wrench_W.torque_Nm.y(), double(-force(b) * h_slope(b)), exact);
   }
 }
 
@@ -164,11 +164,10 @@ TEST(QuasiStatic, EllipsoidWithEqualAxesIsABall) {
                     ball_on_plane(center, 0.01, Vec3::UnitZ(), 0.0)},
           std::pair{ellipsoid_on_ball(center, Vec3::Constant(0.01), Vec3(0, 0, -0.03), 0.03),
                     ball_on_ball(center, 0.01, Vec3(0, 0, -0.03), 0.03)}}) {
-      const Equilibrium a = quasi_static_equilibrium({round}, handle, kCoupling);
-      const Equilibrium b = quasi_static_equilibrium({ball}, handle, kCoupling);
+      const Equilibrium a = quasi_static_equilibrium({round}, handle, coupling);
+      const Equilibrium b = quasi_static_equilibrium({ball}, handle, coupling);
       ASSERT_TRUE(a.found && b.found);
-      EXPECT_LE((a.wrench_W.f_N - b.wrench_W.f_N).norm() + (a.wrench_W.torque_Nm - b.wrench_W.torque_Nm).norm(),
-                kExact);
+      EXPECT_LE((a.wrench_W.f_N - b.wrench_W.f_N).norm() + (a.wrench_W.torque_Nm - b.wrench_W.torque_Nm).norm(), exact);
     }
   }
 }
@@ -176,28 +175,28 @@ TEST(QuasiStatic, EllipsoidWithEqualAxesIsABall) {
 TEST(QuasiStatic, TwoBallsOnABarShareTheForce) {
   // Straight down: half on each. Turned: one leaves when the torsional spring cannot hold it down.
   const ExactCase c = make_exact_case("two-spheres");
-  const Equilibrium even = quasi_static_equilibrium(c.gaps, handle_at(0, 0.023, 0.0), kCoupling);
+  const Equilibrium even = quasi_static_equilibrium(c.gaps, handle_at(0, 0.023, 0.0), coupling);
   ASSERT_TRUE(even.found);
-  EXPECT_NEAR(even.wrench_W.f_N.z(), 2.0, kExact);
-  EXPECT_NEAR(even.contact_forces_N[0], 1.0, kExact);
-  EXPECT_NEAR(even.contact_forces_N[1], 1.0, kExact);
-  EXPECT_LE(even.wrench_W.torque_Nm.norm(), kExact);
+  EXPECT_NEAR(even.wrench_W.f_N.z(), 2.0, exact);
+  EXPECT_NEAR(even.contact_forces_N[0], 1.0, exact);
+  EXPECT_NEAR(even.contact_forces_N[1], 1.0, exact);
+  EXPECT_LE(even.wrench_W.torque_Nm.norm(), exact);
   // The bar stays level, so that the contacts take the torque of the whole turn: (l_1 - l_2) 0.02 m = -k_r a.
   const double a = 0.01;
-  const Equilibrium turned = quasi_static_equilibrium(c.gaps, handle_at(0, 0.023, a), kCoupling);
+  const Equilibrium turned = quasi_static_equilibrium(c.gaps, handle_at(0, 0.023, a), coupling);
   ASSERT_TRUE(turned.found);
-  EXPECT_NEAR(turned.wrench_W.torque_Nm.y(), -2.0 * a, kExact);
-  EXPECT_NEAR(turned.contact_forces_N[0], 1.0 - 0.5, kExact);
-  EXPECT_NEAR(turned.contact_forces_N[1], 1.0 + 0.5, kExact);
+  EXPECT_NEAR(turned.wrench_W.torque_Nm.y(), -2.0 * a, exact);
+  EXPECT_NEAR(turned.contact_forces_N[0], 1.0 - 0.5, exact);
+  EXPECT_NEAR(turned.contact_forces_N[1], 1.0 + 0.5, exact);
 }
 
 TEST(QuasiStatic, FlatFaceTakesTheTorqueOfTheHandle) {
   const ExactCase c = make_exact_case("box-face");
   const Pose handle = tool::moved({Vec3(0, 0, 0.023), Quat::Identity()}, {Vec3::Zero(), Vec3(0.003, -0.004, 0.0)});
-  const Equilibrium e = quasi_static_equilibrium(c.gaps, handle, kCoupling);
+  const Equilibrium e = quasi_static_equilibrium(c.gaps, handle, coupling);
   ASSERT_TRUE(e.found);
-  EXPECT_LE((e.wrench_W.f_N - Vec3(0, 0, 2.0)).norm(), kExact);
-  EXPECT_LE((e.wrench_W.torque_Nm - Vec3(-0.006, 0.008, 0.0)).norm(), kExact);
+  EXPECT_LE((e.wrench_W.f_N - Vec3(0, 0, 2.0)).norm(), exact);
+  EXPECT_LE((e.wrench_W.torque_Nm - Vec3(-0.006, 0.008, 0.0)).norm(), exact);
 }
 
 // In the plane y = 0, R of the angle b takes (x, z) to (cos b x + sin b z, -sin b x + cos b z), and a force has the
@@ -209,22 +208,22 @@ TEST(QuasiStatic, PegHeldBesideTheHoleLeansOnOneRim) {
   const std::vector<GapOfPose> all(gaps.begin(), gaps.end());
   // The rim at +W touches the side +w: a force l along (-cos b, sin b) at the rim. The end swings away from the wall.
   const auto force = [&](Real b) {
-    return kCoupling.stiffness_N_per_m * (w - std::cos(b) * (W - x_H) - std::sin(b) * z_H);
+    return coupling.stiffness_N_per_m * (w - std::cos(b) * (W - x_H) - std::sin(b) * z_H);
   };
   const auto torque = [&](Real b) {
     const Real l = force(b);
-    const Real p_x = x_H - l * std::cos(b) / kCoupling.stiffness_N_per_m;
-    const Real p_z = z_H + l * std::sin(b) / kCoupling.stiffness_N_per_m;
+    const Real p_x = x_H - l * std::cos(b) / coupling.stiffness_N_per_m;
+    const Real p_z = z_H + l * std::sin(b) / coupling.stiffness_N_per_m;
     return -p_z * -l * std::cos(b) - (W - p_x) * l * std::sin(b);
   };
   const Real b =
-      root([&](Real angle) { return kCoupling.rotational_stiffness_Nm_per_rad * angle - torque(angle); }, 0.0L, 0.1L);
-  const Equilibrium e = quasi_static_equilibrium(all, {Vec3(x_H, 0, z_H), Quat::Identity()}, kCoupling);
+      root([&](Real angle) { return coupling.rotational_stiffness_Nm_per_rad * angle - torque(angle); }, 0.0L, 0.1L);
+  const Equilibrium e = quasi_static_equilibrium(all, {Vec3(x_H, 0, z_H), Quat::Identity()}, coupling);
   ASSERT_TRUE(e.found);
   EXPECT_GT(double(force(b)), 0.1);
-  EXPECT_NEAR(e.contact_forces_N[2], double(force(b)), kExact);
-  EXPECT_NEAR(e.wrench_W.f_N.x(), double(-force(b) * std::cos(b)), kExact);
-  EXPECT_NEAR(e.wrench_W.torque_Nm.y(), double(torque(b)), kExact);
+  EXPECT_NEAR(e.contact_forces_N[2], double(force(b)), exact);
+  EXPECT_NEAR(e.wrench_W.f_N.x(), double(-force(b) * std::cos(b)), exact);
+  EXPECT_NEAR(e.wrench_W.torque_Nm.y(), double(torque(b)), exact);
 }
 
 TEST(QuasiStatic, PegJamsBetweenEndAndRim) {
@@ -238,11 +237,11 @@ TEST(QuasiStatic, PegJamsBetweenEndAndRim) {
     const Real p_x = -W + w * std::cos(b) - end * std::sin(b);
     // The rim in the peg's frame: cos b (W - p_x) - sin b (0 - p_z) = w.
     p_z = (w - std::cos(b) * (W - p_x)) / std::sin(b);
-    l_2 = kCoupling.stiffness_N_per_m * (p_z - z_H) / std::sin(b);
-    l_1 = kCoupling.stiffness_N_per_m * p_x + l_2 * std::cos(b);
+    l_2 = coupling.stiffness_N_per_m * (p_z - z_H) / std::sin(b);
+    l_1 = coupling.stiffness_N_per_m * p_x + l_2 * std::cos(b);
     const Real end_z = w * std::sin(b) + end * std::cos(b);
     const Real torque = end_z * l_1 + (-p_z) * (-l_2 * std::cos(b)) - (W - p_x) * (l_2 * std::sin(b));
-    return kCoupling.rotational_stiffness_Nm_per_rad * (b - turn) - torque;
+    return coupling.rotational_stiffness_Nm_per_rad * (b - turn) - torque;
   };
   Real l_1 = 0, l_2 = 0, p_z = 0;
   const Real straight = root(
@@ -253,14 +252,13 @@ TEST(QuasiStatic, PegJamsBetweenEndAndRim) {
       0.005L, 0.05L);
   const Real b = root([&](Real angle) { return statics(angle, l_1, l_2, p_z); }, 0.95L * straight, 1.05L * straight);
   statics(b, l_1, l_2, p_z);
-  const Equilibrium e =
-      quasi_static_equilibrium(all, {Vec3(0, 0, z_H), tool::rotation_by(Vec3(0, turn, 0))}, kCoupling);
+  const Equilibrium e = quasi_static_equilibrium(all, {Vec3(0, 0, z_H), tool::rotation_by(Vec3(0, turn, 0))}, coupling);
   ASSERT_TRUE(e.found);
   EXPECT_GT(double(l_1), 0.1);
   EXPECT_GT(double(l_2), 0.1);
-  EXPECT_NEAR(e.contact_forces_N[1], double(l_1), kExact);
-  EXPECT_NEAR(e.contact_forces_N[2], double(l_2), kExact);
-  EXPECT_NEAR(e.wrench_W.torque_Nm.y(), double(kCoupling.rotational_stiffness_Nm_per_rad * (b - turn)), kExact);
+  EXPECT_NEAR(e.contact_forces_N[1], double(l_1), exact);
+  EXPECT_NEAR(e.contact_forces_N[2], double(l_2), exact);
+  EXPECT_NEAR(e.wrench_W.torque_Nm.y(), double(coupling.rotational_stiffness_Nm_per_rad * (b - turn)), exact);
 }
 
 class EveryCase : public ::testing::TestWithParam<std::string> {};
@@ -270,7 +268,7 @@ TEST_P(EveryCase, IsInBalanceAndHasTheLeastEnergyAround) {
   Random random(22);
   int touching = 0;
   for (const Pose& handle : c.handles) {
-    const Equilibrium e = quasi_static_equilibrium(c.gaps, handle, kCoupling);
+    const Equilibrium e = quasi_static_equilibrium(c.gaps, handle, coupling);
     ASSERT_TRUE(e.found);
     touching += e.wrench_W.f_N.norm() > 0.0 ? 1 : 0;
     // The balance, summed up anew from the contacts.
@@ -283,13 +281,13 @@ TEST_P(EveryCase, IsInBalanceAndHasTheLeastEnergyAround) {
       f += e.contact_forces_N[j] * gap.n_W;
       torque += (gap.contact_W_m - e.proxy.p_W_m).cross(e.contact_forces_N[j] * gap.n_W);
     }
-    EXPECT_LE((f - kCoupling.stiffness_N_per_m * (e.proxy.p_W_m - handle.p_W_m)).norm(), kExact);
-    EXPECT_LE((torque - kCoupling.rotational_stiffness_Nm_per_rad *
+    EXPECT_LE((f - coupling.stiffness_N_per_m * (e.proxy.p_W_m - handle.p_W_m)).norm(), exact);
+    EXPECT_LE((torque - coupling.rotational_stiffness_Nm_per_rad *
                             Vec3(Eigen::AngleAxisd(e.proxy.q_WT * handle.q_WT.conjugate()).angle() *
                                  Eigen::AngleAxisd(e.proxy.q_WT * handle.q_WT.conjugate()).axis()))
                   .norm(),
-              kExact);
-    const double least = coupling_energy_J(kCoupling, handle, e.proxy);
+              exact);
+    const double least = coupling_energy_J(coupling, handle, e.proxy);
     for (int i = 0; i < 300; ++i) {
       // The peg's gaps know motions in the plane y = 0 alone.
       const bool planar = GetParam().starts_with("peg");
@@ -300,7 +298,7 @@ TEST_P(EveryCase, IsInBalanceAndHasTheLeastEnergyAround) {
       bool feasible = true;
       for (const GapOfPose& gap : c.gaps) feasible = feasible && gap(near).gap_m >= 0.0;
       if (feasible) {
-        EXPECT_GE(coupling_energy_J(kCoupling, handle, near), least - 1e-14);
+        EXPECT_GE(coupling_energy_J(coupling, handle, near), least - 1e-14);
       }
     }
   }
@@ -311,16 +309,16 @@ TEST_P(EveryCase, GapsChangeAsTheirNormalsSay) {
   // The rate of a gap is n . (v + w x r): a normal or a place of contact that is wrong shows here.
   const ExactCase c = make_exact_case(GetParam());
   Random random(23);
-  constexpr double kStep = 1e-6;
+  constexpr double step = 1e-6;
   for (const Pose& handle : c.handles) {
     for (const GapOfPose& gap : c.gaps) {
-      const tool::Displacement d{kStep * random.direction(),
-                                 kStep * 30.0 * (GetParam().starts_with("peg") ? Vec3::UnitY() : random.direction())};
+      const tool::Displacement d{step * random.direction(),
+                                 step * 30.0 * (GetParam().starts_with("peg") ? Vec3::UnitY() : random.direction())};
       const Gap g = gap(handle);
       const double slope =
           (gap(moved(handle, d)).gap_m - gap(moved(handle, {-d.translation_m, -d.rotation_rad})).gap_m) / 2.0;
       const double expected = g.n_W.dot(d.translation_m + d.rotation_rad.cross(g.contact_W_m - handle.p_W_m));
-      EXPECT_NEAR(slope / kStep, expected / kStep, 1e-6);
+      EXPECT_NEAR(slope / step, expected / step, 1e-6);
     }
   }
 }

@@ -17,7 +17,7 @@
 namespace touchstone::contacts {
 namespace {
 
-constexpr double kRate_Hz = 1000.0;
+constexpr double rate_Hz = 1000.0;
 
 Vec3 per_axis(JsonObject& object, const char* key) {
   const std::vector<double> values = object.numbers(key);
@@ -36,11 +36,11 @@ recording::SampleBlock rendered(const ToolGolden& golden, const tool::ToolRender
   const ExactCase made = make_exact_case(golden.exact_case);
   const auto renderer =
       tool::make_tool_renderer(entry, tool::solid_tool(made.tool_T), made.object_W, {golden.coupling, {}});
-  const auto samples = static_cast<std::uint64_t>(golden.seconds * kRate_Hz) + 1;
+  const auto samples = static_cast<std::uint64_t>(golden.seconds * rate_Hz) + 1;
   recording::SampleBlock answer;
   renderer->reset();
   for (std::uint64_t i = 0; i < samples; ++i) {
-    const double t_s = double(i) / kRate_Hz;
+    const double t_s = double(i) / rate_Hz;
     const tool::Pose handle = scripted_pose(made, t_s, golden.seconds);
     const tool::ToolResult result = tool::step_or_throw(*renderer, {t_s, handle});
     if (i % golden.keep_every != 0) continue;

@@ -20,12 +20,12 @@ namespace {
 using nlohmann::ordered_json;
 
 // The rotational stiffness of a coupling by its stiffness, as in the default coupling [m^2].
-constexpr double kArm_m2 = 0.002;
+constexpr double arm_m2 = 0.002;
 
-constexpr std::size_t kFirstError = 5;
+constexpr std::size_t first_error = 5;
 
 const std::vector<double>& places_of(const ToolAtlasGrid& grid, std::string_view contacts) {
-  return contacts == contacts::kPeg ? grid.clearances_m : grid.sizes;
+  return contacts == contacts::peg ? grid.clearances_m : grid.sizes;
 }
 
 std::uint64_t cases_of(const ToolAtlasGrid& grid, std::string_view contacts) {
@@ -67,7 +67,7 @@ ToolAtlasCase case_at(const ToolAtlasGrid& grid, std::uint64_t number) {
     one.renderer = grid.renderers[number % renderers];
     one.stiffness_N_per_m = grid.stiffnesses_N_per_m[number / renderers % stiffnesses];
     const double place = places_of(grid, contacts)[number / renderers / stiffnesses];
-    if (contacts == contacts::kPeg) {
+    if (contacts == contacts::peg) {
       one.shape.clearance_m = place;
     } else {
       one.shape.scale = place;
@@ -126,7 +126,7 @@ runs::CaseJob tool_atlas_job(const ToolAtlasGrid& grid, std::vector<tool::ToolRe
                   real_or_none(one.shape.clearance_m), one.stiffness_N_per_m, one.renderer};
     const tool::ToolErrors errors =
         run(one, tool::find_tool_renderer(used, one.renderer),
-            {{one.stiffness_N_per_m, kArm_m2 * one.stiffness_N_per_m}, values.at(one.renderer)});
+            {{one.stiffness_N_per_m, arm_m2 * one.stiffness_N_per_m}, values.at(one.renderer)});
     for (const double* const value : results(errors)) {
       if (!std::isfinite(*value)) throw BadData(fmt::format("{}: an answer is no number", one.renderer));
       row.values.emplace_back(*value);
@@ -141,7 +141,7 @@ std::vector<ToolAtlasCase> stored_cases(const ToolAtlasGrid& grid, const runs::C
     ToolAtlasCase one = case_at(grid, row.number);
     one.error = row.error;
     if (one.ran()) {
-      auto at = row.values.begin() + kFirstError;
+      auto at = row.values.begin() + first_error;
       for (double* const value : results(one.errors)) *value = runs::as_number(*at++);
     }
     cases.push_back(std::move(one));

@@ -110,13 +110,13 @@ report::LinePlot plot_of(const std::vector<ToolAtlasCase>& cases, const std::str
   plot.log_x = true;
   plot.y_label = "largest error [JND]";
   plot.levels = {{"just noticeable", 1.0}};
-  constexpr std::array kTones{Tone::measured, Tone::rendered, Tone::reference, Tone::warning, Tone::good};
+  constexpr std::array tones{Tone::measured, Tone::rendered, Tone::reference, Tone::warning, Tone::good};
   std::size_t tone = 0;
   for (const std::string& renderer : renderers_of(cases)) {
     const Places map = places(cases, renderer, contacts);
     const double stiffness = map.up[map.up.size() / 2];
     plot.title = fmt::format("{}, coupling {:g} N/m", contacts, stiffness);
-    report::Line line{renderer, {}, {}, kTones[tone++ % kTones.size()], false, true};
+    report::Line line{renderer, {}, {}, tones[tone++ % tones.size()], false, true};
     for (const double place : map.across) {
       const ToolAtlasCase& own = map.at(place, stiffness);
       plot.x_label = own.shape.clearance_m ? "clearance [mm]" : "size, of the usual one [1]";

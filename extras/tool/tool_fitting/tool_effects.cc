@@ -7,8 +7,8 @@ namespace {
 
 using Columns = ToolEffectTraits::Columns;
 
-constexpr double kStandardGravity_m_per_s2 = 9.80665;
-constexpr double kHand_m = 0.1;  // the size of a hand: no lever of a tool that one holds is off by more
+constexpr double standard_gravity_m_per_s2 = 9.80665;
+constexpr double hand_m = 0.1;  // the size of a hand: no lever of a tool that one holds is off by more
 
 Mat3 cross_matrix(const Vec3& a) {
   Mat3 m;
@@ -55,7 +55,7 @@ ToolEffectTraits lever_arm() {
   effect.what = "way from the declared handle to the point that the torque is about";
   effect.unit = "m";
   effect.source = "Murray, Li and Sastry 1994, section 2.5: the wrench about another point";
-  effect.plausible = [](const ToolRecordingScales& /*scales*/, int /*k*/) { return kHand_m; };
+  effect.plausible = [](const ToolRecordingScales& /*scales*/, int /*k*/) { return hand_m; };
   effect.columns = [](const Wrench& w_T, const Vec3& /*gravity_T*/) {
     Columns columns = Columns::Zero(6, 3);
     columns.bottomRows<3>() = cross_matrix(w_T.f_N);
@@ -74,7 +74,7 @@ ToolEffectTraits tool_weight() {
   effect.source = "statics of a rigid body: weight at the centre of mass";
   effect.count = 4;
   effect.plausible = [](const ToolRecordingScales& scales, int k) {
-    return scales.force_N / kStandardGravity_m_per_s2 * (k == 0 ? 1.0 : kHand_m);
+    return scales.force_N / standard_gravity_m_per_s2 * (k == 0 ? 1.0 : hand_m);
   };
   effect.columns = [](const Wrench& /*w_T*/, const Vec3& gravity_T) {
     Columns columns = Columns::Zero(6, 4);
@@ -123,6 +123,6 @@ const std::vector<ToolEffectTraits>& tool_effects() {
   return all;
 }
 
-Vec3 gravity_in_tool(const Quat& q_WT) { return q_WT.conjugate() * Vec3(0.0, 0.0, -kStandardGravity_m_per_s2); }
+Vec3 gravity_in_tool(const Quat& q_WT) { return q_WT.conjugate() * Vec3(0.0, 0.0, -standard_gravity_m_per_s2); }
 
 }  // namespace touchstone::tool_fitting

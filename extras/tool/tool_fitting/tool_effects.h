@@ -20,7 +20,7 @@ struct ToolRecordingScales {
   double torque_Nm = 0.0;
 };
 
-inline constexpr int kMostOfAnEffect = 4;  // parameters
+inline constexpr int most_of_an_effect = 4;  // parameters
 
 struct ToolEffectTraits {
   std::string name;    // "lever-arm"
@@ -33,7 +33,7 @@ struct ToolEffectTraits {
   // One of the following two kinds.
   // Added to what is shown, in proportion to its parameters, a column each: force in the first three rows, torque
   // below. `gravity_T` is the acceleration of gravity in the tool's axes, m/s^2.
-  using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMostOfAnEffect>;
+  using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, most_of_an_effect>;
   Columns (*columns)(const Wrench& w_T, const Vec3& gravity_T) = nullptr;
   // Such a one that is there whatever is measured: a bias, a weight.
   bool of_every_sensor = false;

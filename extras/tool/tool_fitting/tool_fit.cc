@@ -16,7 +16,7 @@ namespace {
 
 using Part = ToolFitter::Part;
 
-constexpr std::size_t kFewestSamples = 400;
+constexpr std::size_t fewest_samples = 400;
 
 void require_wrench_and_pose(const recording::Recording& measured) {
   if (measured.motion.q_WS.empty()) {
@@ -25,9 +25,9 @@ void require_wrench_and_pose(const recording::Recording& measured) {
   if (measured.torque_W_Nm.empty()) {
     throw BadData(fmt::format("{}: no torque: the columns tx_Nm, ty_Nm and tz_Nm were expected", measured.source));
   }
-  if (measured.size() < kFewestSamples) {
+  if (measured.size() < fewest_samples) {
     throw BadData(fmt::format("{}: {} samples; at least {} are needed to fit and to judge on other parts",
-                              measured.source, measured.size(), kFewestSamples));
+                              measured.source, measured.size(), fewest_samples));
   }
   const auto zero = [](const Eigen::Vector3d& v) { return v.isZero(0.0); };
   if (std::ranges::all_of(measured.f_W_N, zero))
@@ -75,10 +75,10 @@ std::vector<ToolEffect> effects_of(const ToolFitter& fitter, const ToolChoice& c
 // More than the samples' own noise explains, and than a person notices: from nothing, and of the torque at the
 // reference of its threshold (tool_metrics.h).
 bool something_is_left(const ToolFit& fit) {
-  constexpr double kOfNoise = 2.0;
-  return fit.after.force_N > std::max(kOfNoise * fit.noise.force_N, perception::kFingertipForce.absolute_threshold) ||
+  constexpr double of_noise = 2.0;
+  return fit.after.force_N > std::max(of_noise * fit.noise.force_N, perception::fingertip_force.absolute_threshold) ||
          fit.after.torque_Nm >
-             std::max(kOfNoise * fit.noise.torque_Nm, tool::kTorqueWeberFraction * tool::kTorqueReference_Nm);
+             std::max(of_noise * fit.noise.torque_Nm, tool::torque_weber_fraction * tool::torque_reference_Nm);
 }
 
 void add_remarks(const recording::Recording& measured, ToolFit& fit) {
@@ -87,8 +87,8 @@ void add_remarks(const recording::Recording& measured, ToolFit& fit) {
     fit.remarks.emplace_back("on the blocks that the fit has not seen an error grew: do not use these values");
   double largest_N = 0.0;
   for (const Vec3& f : measured.f_W_N) largest_N = std::max(largest_N, f.norm());
-  constexpr double kTouching = 0.2;  // of the largest force: more than biases and noise of a sensor that is in use
-  if (measured.f_W_N.front().norm() > kTouching * largest_N) {
+  constexpr double touching = 0.2;  // of the largest force: more than biases and noise of a sensor that is in use
+  if (measured.f_W_N.front().norm() > touching * largest_N) {
     fit.remarks.emplace_back(
         "the recording begins in contact: a proxy that begins inside the object may stay on a wrong "
         "side of it; begin above the object");

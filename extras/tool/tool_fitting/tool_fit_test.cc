@@ -29,17 +29,17 @@ struct Planted {
   Vec3 center_m = Vec3::Zero();
 };
 
-constexpr double kForceNoise_N = 0.02;
-constexpr double kTorqueNoise_Nm = 0.5e-3;
-const Vec3 kCorner_T_m(0.01, 0.01, -0.03);
+constexpr double force_noise_N = 0.02;
+constexpr double torque_noise_Nm = 0.5e-3;
+const Vec3 corner_T_m(0.01, 0.01, -0.03);
 
-// The cube's corner at kCorner_T_m is lowest all the way; the tool turns by 0.25 rad about all axes.
+// The cube's corner at corner_T_m is lowest all the way; the tool turns by 0.25 rad about all axes.
 Pose pose_at(double t_s) {
   const Quat q =
       tool::rotation_by(Vec3(0.25 * std::sin(1.1 * t_s), 0.25 * std::sin(1.7 * t_s), 0.25 * std::sin(0.6 * t_s))) *
       tool::rotation_by(Vec3(-0.6, 0.0, 0.0)) * tool::rotation_by(Vec3(0.0, 0.6, 0.0));
   const double depth_m = 1.5e-3 * (0.6 - std::cos(2.3 * t_s));  // begins above it
-  return {Vec3(3e-3 * std::sin(0.9 * t_s), 0.0, -(q * kCorner_T_m).z() - depth_m), q};
+  return {Vec3(3e-3 * std::sin(0.9 * t_s), 0.0, -(q * corner_T_m).z() - depth_m), q};
 }
 
 // `every`: of its samples that are taken.
@@ -48,7 +48,7 @@ recording::Recording recorded(const Planted& planted, std::uint64_t seed, int ev
   const Coupling real{
       1.0 / (1.0 / declared.stiffness_N_per_m + planted.compliance_m_per_N),
       1.0 / (1.0 / declared.rotational_stiffness_Nm_per_rad + planted.rotational_compliance_rad_per_Nm)};
-  const std::vector<contacts::GapOfPose> gaps{contacts::ball_on_plane(kCorner_T_m, 0.0, Vec3::UnitZ(), 0.0)};
+  const std::vector<contacts::GapOfPose> gaps{contacts::ball_on_plane(corner_T_m, 0.0, Vec3::UnitZ(), 0.0)};
   Random random(seed);
   recording::Recording recording;
   recording.source = "corner";
@@ -65,9 +65,9 @@ recording::Recording recorded(const Planted& planted, std::uint64_t seed, int ev
     recording.motion.p_W_m.push_back(pose.p_W_m);
     recording.motion.q_WS.push_back(pose.q_WT);
     const Vec3 weight(0.0, 0.0, -9.80665 * planted.mass_kg);
-    recording.f_W_N.push_back(at_sensor.f_N + weight + pose.q_WT * (planted.force_bias_N + noise(kForceNoise_N)));
+    recording.f_W_N.push_back(at_sensor.f_N + weight + pose.q_WT * (planted.force_bias_N + noise(force_noise_N)));
     recording.torque_W_Nm.push_back(at_sensor.torque_Nm + (pose.q_WT * planted.center_m).cross(weight) +
-                                    pose.q_WT * (planted.torque_bias_Nm + noise(kTorqueNoise_Nm)));
+                                    pose.q_WT * (planted.torque_bias_Nm + noise(torque_noise_Nm)));
   }
   return recording;
 }
@@ -122,8 +122,8 @@ TEST(ToolFit, NamesWhatWasPlantedAndLeavesTheNoise) {
     const ToolFit fit = fitted(recorded(planted, seed++));
     EXPECT_EQ(named(fit), one.names) << tool_fit_text(fit);
     EXPECT_EQ(to_string(fit.verdict), "explained") << tool_fit_text(fit);
-    EXPECT_NEAR(fit.after.force_N, std::sqrt(3.0) * kForceNoise_N, 0.1 * kForceNoise_N) << one.names.front();
-    EXPECT_NEAR(fit.after.torque_Nm, std::sqrt(3.0) * kTorqueNoise_Nm, 0.1 * kTorqueNoise_Nm) << one.names.front();
+    EXPECT_NEAR(fit.after.force_N, std::sqrt(3.0) * force_noise_N, 0.1 * force_noise_N) << one.names.front();
+    EXPECT_NEAR(fit.after.torque_Nm, std::sqrt(3.0) * torque_noise_Nm, 0.1 * torque_noise_Nm) << one.names.front();
     if (!planted.force_bias_N.isZero()) expect_values(fit, "force-bias", planted.force_bias_N);
     if (!planted.torque_bias_Nm.isZero()) expect_values(fit, "torque-bias", planted.torque_bias_Nm);
     if (!planted.lever_m.isZero()) expect_values(fit, "lever-arm", planted.lever_m);
@@ -157,15 +157,15 @@ recording::Recording recorded_without_turning(std::uint64_t seed) {
   recording::Recording recording = recorded({}, seed);
   const Pose still = pose_at(0.0);
   Random random(seed + 1);
-  const std::vector<contacts::GapOfPose> gaps{contacts::ball_on_plane(kCorner_T_m, 0.0, Vec3::UnitZ(), 0.0)};
+  const std::vector<contacts::GapOfPose> gaps{contacts::ball_on_plane(corner_T_m, 0.0, Vec3::UnitZ(), 0.0)};
   for (std::size_t i = 0; i < recording.size(); ++i) {
     const Pose pose{still.p_W_m - Vec3(0, 0, 1.5e-3 * (1.0 - std::cos(0.02 * double(i)))), still.q_WT};
     const Wrench truth = quasi_static_equilibrium(gaps, pose, {}).wrench_W;
     recording.motion.p_W_m[i] = pose.p_W_m;
     recording.motion.q_WS[i] = pose.q_WT;
-    recording.f_W_N[i] = truth.f_N + kForceNoise_N * Vec3(random.normal(), random.normal(), random.normal());
+    recording.f_W_N[i] = truth.f_N + force_noise_N * Vec3(random.normal(), random.normal(), random.normal());
     recording.torque_W_Nm[i] =
-        truth.torque_Nm + kTorqueNoise_Nm * Vec3(random.normal(), random.normal(), random.normal());
+        truth.torque_Nm + torque_noise_Nm * Vec3(random.normal(), random.normal(), random.normal());
   }
   return recording;
 }
@@ -232,7 +232,7 @@ TEST(ToolFit, SaysThatSomethingIsLeft) {
     const double v = std::cos(0.9 * recording.motion.t_s[i]);
     const double pull = 0.4 * std::max(0.0, recording.f_W_N[i].z()) * (v > 0.0 ? -1.0 : 1.0);
     recording.f_W_N[i].x() += pull;
-    recording.torque_W_Nm[i] += (recording.motion.q_WS[i] * kCorner_T_m).cross(Vec3(pull, 0, 0));
+    recording.torque_W_Nm[i] += (recording.motion.q_WS[i] * corner_T_m).cross(Vec3(pull, 0, 0));
   }
   const ToolFit fit = fitted(recording);
   EXPECT_EQ(to_string(fit.verdict), "unexplained") << tool_fit_text(fit);

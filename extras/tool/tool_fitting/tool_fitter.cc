@@ -17,7 +17,7 @@ using tool::Coupling;
 
 namespace {
 
-constexpr double kDetermined = 0.3;  // of the prior's width
+constexpr double determined_below = 0.3;  // of the prior's width
 
 Eigen::Matrix<double, 6, 1> weight_of(const ToolErrors& noise) {
   Eigen::Matrix<double, 6, 1> out;
@@ -35,7 +35,7 @@ struct ToolFitter::Step {
   explicit Step(int parameters)
       : hessian(ToolSquare::Zero(parameters, parameters)),
         gradient(ToolValues::Zero(parameters)),
-        of_blocks(Eigen::MatrixXd::Zero(kBlocks / 2, parameters)) {}
+        of_blocks(Eigen::MatrixXd::Zero(jackknife_blocks / 2, parameters)) {}
 
   ToolSquare hessian;
   ToolValues gradient;
@@ -69,7 +69,8 @@ ToolFitter::ToolFitter(const recording::Recording& measured, const MakeTool& mak
 
 int ToolFitter::block_of(std::size_t i) const {
   const auto& t_s = measured_.motion.t_s;
-  return std::min(static_cast<int>((t_s[i] - t_s.front()) / (t_s.back() - t_s.front()) * kBlocks), kBlocks - 1);
+  return std::min(static_cast<int>((t_s[i] - t_s.front()) / (t_s.back() - t_s.front()) * jackknife_blocks),
+                  jackknife_blocks - 1);
 }
 
 ToolFitter::Part ToolFitter::part_of(int block) {
@@ -91,8 +92,8 @@ const std::vector<Wrench>& ToolFitter::rendered(const Coupling& coupling) {
   const auto kept = std::ranges::find_if(renderings_, same);
   if (kept != renderings_.end()) return kept->second;
   // Searches come back to the declared coupling (which stays) and to the last few.
-  constexpr std::size_t kMostKept = 8;
-  if (renderings_.size() == kMostKept) renderings_.erase(renderings_.begin() + 1);
+  constexpr std::size_t most_kept = 8;
+  if (renderings_.size() == most_kept) renderings_.erase(renderings_.begin() + 1);
   const auto renderer = make_(coupling);
   renderer->reset();
   std::vector<Wrench> wrenches;
@@ -161,8 +162,8 @@ ToolSolution ToolFitter::solve(const ToolEffectSet& effects, Effort effort, cons
   }
   ToolErrors noise{1.0, 1.0};
   const int most_rounds = effort == Effort::thorough ? 15 : 6;
-  constexpr double kLongest = 0.5;  // of a stiffness' logarithm in one round
-  constexpr double kStill = 1e-5;   // of the priors' widths
+  constexpr double longest_step = 0.5;  // of a stiffness' logarithm in one round
+  constexpr double still = 1e-5;        // of the priors' widths
   for (int round = 0; round < most_rounds; ++round) {
     const Step step = linearised(noise);
     noise = not_nought(step.spread);
@@ -171,15 +172,15 @@ ToolSolution ToolFitter::solve(const ToolEffectSet& effects, Effort effort, cons
     const double longest = by.tail(all_ - linear_).cwiseAbs().maxCoeff();
     // A contact that jumps makes the slope wrong: a shorter step then.
     const double here = loss(values_, noise);
-    double share = std::min(1.0, kLongest / std::max(longest, kLongest));
+    double share = std::min(1.0, longest_step / std::max(longest, longest_step));
     while (share > 0.05 && !(loss(values_ + share * by, noise) < here)) share *= 0.5;
     if (share <= 0.05) break;
     values_ += share * by;
-    if ((share * by.cwiseQuotient(width_)).cwiseAbs().maxCoeff() < kStill) break;
+    if ((share * by.cwiseQuotient(width_)).cwiseAbs().maxCoeff() < still) break;
   }
   if (effort == Effort::thorough) {
-    constexpr double kFirst = 0.08;  // of a logarithm
-    polish(noise, kFirst);
+    constexpr double first_step = 0.08;  // of a logarithm
+    polish(noise, first_step);
   }
   const Step last = linearised(noise);
   return {effects, values_, covariance(last), not_nought(last.spread)};
@@ -189,11 +190,11 @@ ToolSolution ToolFitter::solve(const ToolEffectSet& effects, Effort effort, cons
 // stiffnesses are searched once more by steps along each that halve (Hooke and Jeeves 1961), the linear values
 // solved exactly for each pair (variable projection: Golub and Pereyra 1973).
 void ToolFitter::polish(const ToolErrors& noise, double first) {
-  constexpr double kLast = 1e-4;  // of a logarithm
+  constexpr double last_step = 1e-4;  // of a logarithm
   values_ = with_linear(values_, noise);
   if (!any_stiffness_free()) return;
   double best = loss(values_, noise);
-  for (double width = first; width > kLast; width *= 0.5) {
+  for (double width = first; width > last_step; width *= 0.5) {
     for (int k = linear_; k < all_; ++k) {
       if (!free_[at(k)]) continue;
       for (const double by : {width, -width}) {
@@ -245,12 +246,12 @@ double ToolFitter::loss(const ToolValues& values, const ToolErrors& noise) {
 // W the weights squared, P the prior's precision. The stiffnesses' columns are differences forward, of 1 % of the
 // stiffness.
 ToolFitter::Step ToolFitter::linearised(const ToolErrors& noise) {
-  constexpr double kDifference = 0.01;
+  constexpr double difference = 0.01;
   std::vector<std::vector<Wrench>> beside(at(all_));
   for (int k = linear_; k < all_; ++k) {
     if (!free_[at(k)]) continue;
     ToolValues v = values_;
-    v[k] += kDifference;
+    v[k] += difference;
     beside[at(k)] = rendered(coupling_of(v));
   }
   const std::vector<Wrench>& here = rendered(coupling_of(values_));
@@ -267,7 +268,7 @@ ToolFitter::Step ToolFitter::linearised(const ToolErrors& noise) {
     Jacobian j = Jacobian::Zero(6, all_);
     j.leftCols(linear_) = free_columns(here[i], i);
     for (int k = linear_; k < all_; ++k) {
-      if (free_[at(k)]) j.col(k) = (shown(beside[at(k)][i], i, values_) - now) / kDifference;
+      if (free_[at(k)]) j.col(k) = (shown(beside[at(k)][i], i, values_) - now) / difference;
     }
     j = weight.asDiagonal() * j;
     const ToolValues g = j.transpose() * weight.cwiseProduct(left);
@@ -289,7 +290,7 @@ ToolFitter::Step ToolFitter::linearised(const ToolErrors& noise) {
 // The larger of the sandwich and of what independent samples would have, value by value.
 ToolSquare ToolFitter::covariance(const Step& step) const {
   const ToolSquare inverse = step.hessian.inverse();
-  const double blocks = kBlocks / 2.0;
+  const double blocks = jackknife_blocks / 2.0;
   const Eigen::RowVectorXd middle = step.of_blocks.colwise().mean();
   const ToolSquare robust =
       stats::sandwich_covariance(inverse, step.of_blocks.rowwise() - middle) * (blocks / (blocks - 1.0));
@@ -302,7 +303,7 @@ ToolSquare ToolFitter::covariance(const Step& step) const {
 
 double ToolFitter::p_of(const ToolSolution& solution, std::size_t e) const {
   const auto& [effect, first] = placed_[e];
-  const double blocks = kBlocks / 2.0;
+  const double blocks = jackknife_blocks / 2.0;
   const int count = effect->count;
   const Eigen::VectorXd values = solution.values.segment(first, count);
   const Eigen::MatrixXd own = solution.covariance.block(first, first, count, count);
@@ -314,7 +315,7 @@ std::vector<bool> ToolFitter::determined(const ToolSolution& solution, std::size
   const auto& [effect, first] = placed_[e];
   std::vector<bool> out;
   for (int k = first; k < first + effect->count; ++k)
-    out.push_back(std::sqrt(solution.covariance(k, k)) < kDetermined * width_[k]);
+    out.push_back(std::sqrt(solution.covariance(k, k)) < determined_below * width_[k]);
   return out;
 }
 
@@ -358,7 +359,7 @@ std::vector<double> ToolFitter::log_likelihoods(const ToolSolution& solution, Pa
   const std::vector<Wrench>& wrenches = rendered(coupling(solution));
   const Vec6 weight = weight_of(solution.noise);
   const double of_noise = weight.array().log().sum() - 3.0 * std::log(2.0 * std::numbers::pi);
-  std::vector<double> of_block(kBlocks, 0.0);
+  std::vector<double> of_block(jackknife_blocks, 0.0);
   for (std::size_t i = 0; i < wrenches.size(); ++i) {
     const int block = block_of(i);
     if (part_of(block) != part) continue;
@@ -366,7 +367,7 @@ std::vector<double> ToolFitter::log_likelihoods(const ToolSolution& solution, Pa
     of_block[at(block)] += of_noise - 0.5 * weight.cwiseProduct(left).squaredNorm();
   }
   std::vector<double> out;
-  for (int block = 0; block < kBlocks; ++block) {
+  for (int block = 0; block < jackknife_blocks; ++block) {
     if (part_of(block) == part) out.push_back(of_block[at(block)]);
   }
   return out;

@@ -1,8 +1,9 @@
 // Fits of any set of the instrument's effects (tool_effects.h) to one recording with a tool, beside a renderer of
 // tools, and how likely the parts of the recording are that a fit has not seen. What the model is: tool_fit.h.
 //
-// The time is cut into kBlocks blocks. Every other one is fitted; the rest are dealt in turn to two parts that no fit
-// sees: by one effects are chosen, by the other errors are reported, so that choosing makes no reported error smaller.
+// The time is cut into jackknife_blocks blocks. Every other one is fitted; the rest are dealt in turn to two parts that
+// no fit sees: by one effects are chosen, by the other errors are reported, so that choosing makes no reported error
+// smaller.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,9 +33,9 @@ struct ToolErrors {
 // Which of tool_effects() a model has, by their order.
 using ToolEffectSet = std::vector<bool>;
 
-inline constexpr int kMostToolParameters = 16;  // of all effects together
-using ToolValues = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostToolParameters, 1>;
-using ToolSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostToolParameters, kMostToolParameters>;
+inline constexpr int most_tool_parameters = 16;  // of all effects together
+using ToolValues = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_tool_parameters, 1>;
+using ToolSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_tool_parameters, most_tool_parameters>;
 
 struct ToolSolution {
   ToolEffectSet effects;
@@ -83,9 +84,9 @@ class ToolFitter {
   [[nodiscard]] ToolErrors sample_noise() const;
 
  private:
-  static constexpr int kBlocks = 40;
+  static constexpr int jackknife_blocks = 40;
   using Vec6 = Eigen::Matrix<double, 6, 1>;
-  using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMostToolParameters>;
+  using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, most_tool_parameters>;
   struct Placed {
     const ToolEffectTraits* effect;
     int first;  // where its parameters stand among all

@@ -12,7 +12,7 @@ namespace {
 using Effort = ToolFitter::Effort;
 using Part = ToolFitter::Part;
 
-constexpr double kAlpha = 0.05;
+constexpr double alpha = 0.05;
 
 // One-sided, of the mean being above nought; 1 where it cannot be told.
 double p_of_mean(const std::vector<double>& x) {
@@ -47,7 +47,7 @@ class Search {
  private:
   [[nodiscard]] bool stands_out(const ToolSolution& model, std::size_t e) const {
     const std::vector<bool> determined = fitter_.determined(model, e);
-    return std::ranges::find(determined, true) != determined.end() && fitter_.p_of(model, e) < kAlpha / double(count_);
+    return std::ranges::find(determined, true) != determined.end() && fitter_.p_of(model, e) < alpha / double(count_);
   }
   [[nodiscard]] static ToolEffectSet changed(ToolEffectSet set, std::size_t e) {
     set[e] = !set[e];
@@ -61,7 +61,7 @@ class Search {
       if (!best_.effects[e]) continue;
       const ToolSolution less = fitter_.solve(changed(best_.effects, e), Effort::quick, &best_);
       const ToolGain gain = gain_of(fitter_, best_, less);
-      if (stands_out(best_, e) && gain.p < kAlpha) continue;
+      if (stands_out(best_, e) && gain.p < alpha) continue;
       if (least && gain.per_sample >= least_gain) continue;
       least = e;
       least_gain = gain.per_sample;
@@ -79,7 +79,7 @@ class Search {
       if (best_.effects[e] || left_out[e]) continue;
       const ToolSolution more = fitter_.solve(changed(best_.effects, e), Effort::quick, &best_);
       const ToolGain gain = gain_of(fitter_, more, best_);
-      if (!stands_out(more, e) || !(gain.p < kAlpha)) continue;
+      if (!stands_out(more, e) || !(gain.p < alpha)) continue;
       if (most && gain.per_sample <= most_gain) continue;
       most = e;
       most_gain = gain.per_sample;
@@ -104,7 +104,7 @@ class Search {
     for (std::size_t r = 0; r < count_; ++r) {
       if (best_.effects[r]) continue;
       const ToolSolution instead = fitter_.solve(changed(changed(best_.effects, e), r), Effort::quick, &best_);
-      if (stands_out(instead, r) && !(gain_of(fitter_, best_, instead).p < kAlpha)) out.rivals.push_back(r);
+      if (stands_out(instead, r) && !(gain_of(fitter_, best_, instead).p < alpha)) out.rivals.push_back(r);
     }
     return out;
   }
@@ -119,7 +119,7 @@ struct Reading {
   const char* what;
   void (*read)(const Quat& q_WT, Vec3& f, Vec3& torque);
 };
-constexpr std::array kReadings{
+constexpr std::array readings{
     Reading{"torque-sign", "it fits far better if every torque is reversed",
             [](const Quat& /*q_WT*/, Vec3& /*f*/, Vec3& torque) { torque = -torque; }},
     Reading{"wrench-sign",
@@ -171,29 +171,29 @@ ToolChoice choose_effects(ToolFitter& fitter) { return Search(fitter).run(); }
 std::optional<ToolMisreading> find_misreading(const recording::Recording& measured, const MakeTool& make,
                                               const tool::Coupling& declared, ToolFitter& fitter,
                                               const ToolChoice& chosen) {
-  constexpr double kSure = 0.001;
-  constexpr double kFarBetter = 0.5;  // of the error as recorded
+  constexpr double sure = 0.001;
+  constexpr double far_better_share = 0.5;  // of the error as recorded
   const ToolSolution recorded = fitter.solve(of_every_sensor(), Effort::quick);
   const std::vector<double> recorded_likelihoods = fitter.log_likelihoods(recorded, Part::choosing);
   const ToolErrors recorded_errors = fitter.errors(recorded, Part::choosing);
   const std::vector<double> chosen_likelihoods = fitter.log_likelihoods(chosen.best, Part::choosing);
   std::optional<ToolMisreading> found;
   double most = 0.0;
-  for (const Reading& reading : kReadings) {
+  for (const Reading& reading : readings) {
     recording::Recording other = measured;
     for (std::size_t i = 0; i < other.size(); ++i)
       reading.read(other.motion.q_WS[i], other.f_W_N[i], other.torque_W_Nm[i]);
     ToolFitter other_fitter(other, make, declared, &fitter);
     const ToolSolution so = other_fitter.solve(of_every_sensor(), Effort::quick);
     const ToolErrors errors = other_fitter.errors(so, Part::choosing);
-    const bool far_better = errors.force_N < kFarBetter * recorded_errors.force_N ||
-                            errors.torque_Nm < kFarBetter * recorded_errors.torque_Nm;
+    const bool far_better = errors.force_N < far_better_share * recorded_errors.force_N ||
+                            errors.torque_Nm < far_better_share * recorded_errors.torque_Nm;
     const std::vector<double> likelihoods = other_fitter.log_likelihoods(so, Part::choosing);
-    if (!far_better || !(p_of_mean(differences(likelihoods, recorded_likelihoods)) < kSure / double(kReadings.size())))
+    if (!far_better || !(p_of_mean(differences(likelihoods, recorded_likelihoods)) < sure / double(readings.size())))
       continue;
     const ToolSolution best = choose_effects(other_fitter).best;
     const std::vector<double> best_likelihoods = other_fitter.log_likelihoods(best, Part::choosing);
-    const bool worse = p_of_mean(differences(chosen_likelihoods, best_likelihoods)) < kAlpha;
+    const bool worse = p_of_mean(differences(chosen_likelihoods, best_likelihoods)) < alpha;
     if (worse || has_lever_arm(best.effects)) continue;
     double sum = 0.0;
     for (const double block : best_likelihoods) sum += block;

@@ -81,9 +81,9 @@ Vec6 ContactFriction::residual(const Mat6& a, const Vec6& b, const Vec6& y, Mat6
 }
 
 Vec6 ContactFriction::displacement(const Mat6& a, const Vec6& b) const noexcept {
-  constexpr int kMostRounds = 20;
-  constexpr int kMostHalvings = 6;
-  constexpr double kStill = 1e-12;  // of the longest way so far
+  constexpr int most_rounds = 20;
+  constexpr int most_halvings = 6;
+  constexpr double still = 1e-12;  // of the longest way so far
   Vec6 y = Vec6::Zero();
   Mat6 slope;
   Vec6 left = residual(a, b, y, &slope);
@@ -91,22 +91,22 @@ Vec6 ContactFriction::displacement(const Mat6& a, const Vec6& b) const noexcept 
   const Vec6 weight = a.diagonal().cwiseInverse().cwiseSqrt();
   const auto size_of = [&](const Vec6& r) { return r.cwiseProduct(weight).squaredNorm(); };
   // What the sum of the terms is off by: below it no step makes the residual smaller.
-  constexpr double kRounding = 1e-13;
+  constexpr double rounding_share = 1e-13;
   const double scale = size_of(b);
-  for (int round = 0; round < kMostRounds && size_of(left) > kRounding * kRounding * scale; ++round) {
+  for (int round = 0; round < most_rounds && size_of(left) > rounding_share * rounding_share * scale; ++round) {
     const Vec6 by = Eigen::PartialPivLU<Mat6>(slope).solve(-left);
     // The whole step, or the longest share of it that makes the residual smaller; the whole one where none does: sets
     // of points that slip change, and the residual may have to grow first.
     double share = 1.0;
     const double here = size_of(left);
     int halvings = 0;
-    while (halvings < kMostHalvings && !(size_of(residual(a, b, y + share * by, nullptr)) < here)) {
+    while (halvings < most_halvings && !(size_of(residual(a, b, y + share * by, nullptr)) < here)) {
       share *= 0.5;
       ++halvings;
     }
-    if (halvings == kMostHalvings) share = 1.0;
+    if (halvings == most_halvings) share = 1.0;
     y += share * by;
-    if (share == 1.0 && by.norm() <= kStill * y.norm()) break;
+    if (share == 1.0 && by.norm() <= still * y.norm()) break;
     left = residual(a, b, y, &slope);
   }
   return y;

@@ -14,19 +14,19 @@ namespace {
 void expect_right_decisions(const surface::TriangleMesh& mesh, double size, const Vec3& at, double most_asked) {
   const std::shared_ptr<const surface::Surface> surface =
       make_embree_surface(surface::moved(mesh, Quat(0.83, 0.31, -0.41, 0.22).normalized(), at, 1.0));
-  constexpr std::size_t kPoints = 40;
-  constexpr int kSteps = 500;
-  DistanceBounds bounds(surface, kPoints);
+  constexpr std::size_t points = 40;
+  constexpr int steps = 500;
+  DistanceBounds bounds(surface, points);
   Random random(7);
   std::vector<Vec3> p;
   std::vector<double> radius;
-  for (std::size_t i = 0; i < kPoints; ++i) {
+  for (std::size_t i = 0; i < points; ++i) {
     p.push_back(at + random.log_uniform(0.1, 2.0) * size * random.direction());
     radius.push_back(i % 2 == 0 ? 0.0 : random.uniform(0.0, 0.2) * size);
   }
   std::size_t asked = 0;
-  for (int step = 0; step < kSteps; ++step) {
-    for (std::size_t i = 0; i < kPoints; ++i) {
+  for (int step = 0; step < steps; ++step) {
+    for (std::size_t i = 0; i < points; ++i) {
       const double s = surface->signed_distance(p[i]);
       auto side = bounds.side(i, p[i], radius[i]);
       if (side == DistanceBounds::Side::unknown) {
@@ -38,8 +38,8 @@ void expect_right_decisions(const surface::TriangleMesh& mesh, double size, cons
       p[i] += 1e-2 * size * random.direction();
     }
   }
-  EXPECT_LT(static_cast<double>(asked), most_asked * kPoints * kSteps);
-  EXPECT_GT(asked, kPoints);
+  EXPECT_LT(static_cast<double>(asked), most_asked * points * steps);
+  EXPECT_GT(asked, points);
   bounds.forget();
   EXPECT_EQ(bounds.side(0, p[0], 0.0), DistanceBounds::Side::unknown);
 }

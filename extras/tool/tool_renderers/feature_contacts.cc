@@ -34,12 +34,12 @@ std::vector<Ball> triangle_balls(const surface::TriangleMesh& mesh) {
 }
 
 // What a triangle owns that can touch (tags of the tree).
-constexpr std::uint8_t kHasVertex = 1;
-constexpr std::uint8_t kHasEdge = 2;
+constexpr std::uint8_t has_vertex = 1;
+constexpr std::uint8_t has_edge = 2;
 
 // Nothing can touch where both sides are only faces, or a face and edges.
 bool can_touch(std::uint8_t tool_tags, std::uint8_t object_tags) {
-  return ((tool_tags | object_tags) & kHasVertex) != 0 || (tool_tags & object_tags & kHasEdge) != 0;
+  return ((tool_tags | object_tags) & has_vertex) != 0 || (tool_tags & object_tags & has_edge) != 0;
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ FeatureMesh::FeatureMesh(surface::TriangleMesh mesh) : mesh_(std::move(mesh)), t
       return std::ranges::any_of(owned_features, [](std::int32_t i) { return i >= 0; });
     };
     tags[t] =
-        static_cast<std::uint8_t>((any(faces_[t].vertices) ? kHasVertex : 0) | (any(faces_[t].edges) ? kHasEdge : 0));
+        static_cast<std::uint8_t>((any(faces_[t].vertices) ? has_vertex : 0) | (any(faces_[t].edges) ? has_edge : 0));
   }
   tree_.tag(tags);
   for (const Vec3& v : mesh_.vertices_W_m) reach_m_ = std::max(reach_m_, v.norm());
@@ -103,20 +103,20 @@ std::size_t FeatureMesh::memory_bytes() const noexcept {
 namespace {
 
 // A number of single precision that is not above, or not below, the value.
-constexpr double kSingle = 1e-6;
-float rounded_down(double value) { return static_cast<float>(value - kSingle * std::abs(value)); }
-float rounded_up(double value) { return static_cast<float>(value + kSingle * std::abs(value)); }
+constexpr double single = 1e-6;
+float rounded_down(double value) { return static_cast<float>(value - single * std::abs(value)); }
+float rounded_up(double value) { return static_cast<float>(value + single * std::abs(value)); }
 
 }  // namespace
 
 NearPairFinder::NearPairFinder(const FeatureMesh& tool, const FeatureMesh& object, double unit_m)
     : tool_(tool), object_(object), unit_m_(unit_m) {
   // More are not kept: the trees are then visited for each question.
-  constexpr std::size_t kMostPairs = 16384;
-  now_.pairs.reserve(kMostPairs);
-  next_.pairs.reserve(kMostPairs);
-  awake_.pairs.reserve(kMostPairs);
-  next_awake_.pairs.reserve(kMostPairs);
+  constexpr std::size_t most_pairs = 16384;
+  now_.pairs.reserve(most_pairs);
+  next_.pairs.reserve(most_pairs);
+  awake_.pairs.reserve(most_pairs);
+  next_awake_.pairs.reserve(most_pairs);
   const auto make_room = [](Turned& turned, const FeatureMesh& mesh) {
     turned.points.resize(mesh.mesh().vertices_W_m.size());
     turned.question.assign(turned.points.size(), 0);
@@ -193,40 +193,40 @@ namespace {
 
 // How far the tool may travel while features stay awake, and by how much the margin may grow. More of it keeps more of
 // them awake; less has the list gone through more often.
-constexpr double kAwake_m = 30e-6;
-constexpr double kMoreMargin_m = 10e-6;
+constexpr double awake_m = 30e-6;
+constexpr double more_margin_m = 10e-6;
 // Gaps above blunt faces; a little more, for rounding.
 double above_blunt_of(double margin_m, double overlap_m) {
-  constexpr double kRounding = 1e-6;
-  return margin_m + kRounding * (margin_m + overlap_m);
+  constexpr double rounding = 1e-6;
+  return margin_m + rounding * (margin_m + overlap_m);
 }
 
 }  // namespace
 
 void NearPairFinder::wake(Asked& asked, double step_m, double margin_m, double overlap_m) noexcept {
-  const double way_m = kAwake_m / unit_m_;
+  const double way_m = awake_m / unit_m_;
   Awake& next = next_awake_;
   if (!gathering_) {
     next.pairs.clear();
     next.whole = false;
     next.looked_at = next.asked = 0;
-    next.margin_m = margin_m + kMoreMargin_m / unit_m_;
+    next.margin_m = margin_m + more_margin_m / unit_m_;
     next.overlap_m = overlap_m;
     next.lever_m = now_.lever_m;
     next.translated_m = next.turned_rad = 0.0;
     gathering_ = true;
   }
-  constexpr double kRounding = 1e-6;
-  const Loose loose{(1.0 + kRounding) * way_m, next.lever_m, next.margin_m, next.overlap_m};
+  constexpr double rounding = 1e-6;
+  const Loose loose{(1.0 + rounding) * way_m, next.lever_m, next.margin_m, next.overlap_m};
   const double apart_m = std::max(next.margin_m, next.overlap_m) + loose.way_m;
   const double above_m = above_blunt_of(next.margin_m, next.overlap_m) + loose.way_m;
   const double travelled_m = now_.travelled_m();
   const float apart_now_m = rounded_up(travelled_m + apart_m);
   const float above_now_m = rounded_up(travelled_m + above_m);
   // In time, at the speed of this step: a third of the way that features stay awake.
-  constexpr std::size_t kFewest = 32;
+  constexpr std::size_t fewest = 32;
   const double share = std::min(1.0, 3.0 * step_m / way_m);
-  const std::size_t most = next.asked + kFewest + static_cast<std::size_t>(share * double(asked_last_));
+  const std::size_t most = next.asked + fewest + static_cast<std::size_t>(share * double(asked_last_));
   for (; next.looked_at < now_.pairs.size() && next.asked < most; ++next.looked_at) {
     TrianglePair& pair = now_.pairs[next.looked_at];
     if (pair.apart_until_m > apart_now_m || pair.above_until_m > above_now_m) continue;
@@ -248,11 +248,11 @@ void NearPairFinder::wake(Asked& asked, double step_m, double margin_m, double o
 
 bool NearPairFinder::keep_awake(Asked& asked, const Displacement& step, double margin_m, double overlap_m) noexcept {
   // Features stay awake for so many questions at least, at the mean speed of the last ones: else gathering costs more.
-  constexpr double kFewestUses = 10.0;
-  constexpr double kMean = 0.1;  // share of a step in the mean
-  const double way_m = kAwake_m / unit_m_;
+  constexpr double fewest_uses = 10.0;
+  constexpr double mean = 0.1;  // share of a step in the mean
+  const double way_m = awake_m / unit_m_;
   const double step_m = step.translation_m.norm() + now_.lever_m * step.rotation_rad.norm();
-  mean_step_m_ += kMean * (step_m - mean_step_m_);
+  mean_step_m_ += mean * (step_m - mean_step_m_);
   const auto awake = [&] {
     return awake_.whole && awake_.travelled_m() <= way_m && margin_m <= awake_.margin_m &&
            overlap_m <= awake_.overlap_m;
@@ -264,10 +264,10 @@ bool NearPairFinder::keep_awake(Asked& asked, const Displacement& step, double m
   }
   // The list must hold all that can be near until then.
   const double farthest_m =
-      std::max(margin_m + kMoreMargin_m / unit_m_, overlap_m) + way_m + moved_since(now_, asked_at_);
-  const bool worth = kFewestUses * mean_step_m_ <= way_m && farthest_m <= now_.reach_m;
-  constexpr double kBegin = 0.4;  // of the way that features stay awake
-  if (gathering_ || (worth && (!was_awake || awake_.travelled_m() > kBegin * way_m)))
+      std::max(margin_m + more_margin_m / unit_m_, overlap_m) + way_m + moved_since(now_, asked_at_);
+  const bool worth = fewest_uses * mean_step_m_ <= way_m && farthest_m <= now_.reach_m;
+  constexpr double search_from = 0.4;  // of the way that features stay awake
+  if (gathering_ || (worth && (!was_awake || awake_.travelled_m() > search_from * way_m)))
     wake(asked, step_m, margin_m, overlap_m);
   return awake();
 }
@@ -275,8 +275,8 @@ bool NearPairFinder::keep_awake(Asked& asked, const Displacement& step, double m
 std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overlap_m,
                                  std::span<NearPair> pairs) noexcept {
   // How far the tool may move before the trees are visited again. More of it lengthens the list.
-  constexpr double kSpare_m = 0.3e-3;
-  const double spare = kSpare_m / unit_m_;
+  constexpr double spare_m = 0.3e-3;
+  const double spare = spare_m / unit_m_;
   Collector collector(margin_m, overlap_m, unit_m_, pairs);
   const Mat3 rotation = pose.q_WT.toRotationMatrix();
   const double reach = std::max(margin_m, overlap_m);
@@ -292,10 +292,10 @@ std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overl
     awake->turned_rad += step.rotation_rad.norm();
   }
   const auto holds = [&](const List& list) { return reach + moved_since(list, pose) <= list.reach_m; };
-  constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+  constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
   // The next list becomes the present one, if it holds all.
   const auto finish = [&] {
-    visit(next_, kAll);
+    visit(next_, all);
     too_many_ = open_ > 0;
     visited_last_ = visited_;
     if (!too_many_) take_over();
@@ -309,8 +309,8 @@ std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overl
     if (open_ > 0) {
       // In time for what is left of the spare way, at the speed of this step.
       const double step_m = step.translation_m.norm() + tool_.reach_m() * step.rotation_rad.norm();
-      constexpr std::size_t kFewest = 64;
-      visit(next_, kFewest + static_cast<std::size_t>(double(visited_last_) * std::min(1.0, step_m / (0.2 * spare))));
+      constexpr std::size_t fewest = 64;
+      visit(next_, fewest + static_cast<std::size_t>(double(visited_last_) * std::min(1.0, step_m / (0.2 * spare))));
       if (open_ == 0) {
         visited_last_ = visited_;
         take_over();
@@ -326,9 +326,9 @@ std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overl
   if (too_many_) {  // asked part by part
     while (!next_.pairs.empty()) {
       for (const TrianglePair& pair : next_.pairs)
-        ask(pair.on_tool, pair.on_object, Asked::kAllFeatures, asked.bounds(pair.on_tool, pair.on_object));
+        ask(pair.on_tool, pair.on_object, Asked::all_features, asked.bounds(pair.on_tool, pair.on_object));
       next_.pairs.clear();
-      visit(next_, kAll);
+      visit(next_, all);
     }
     return collector.count();
   }
@@ -345,7 +345,7 @@ std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overl
     const Bounds bounds = asked.bounds(pair.on_tool, pair.on_object);
     pair.apart_until_m = rounded_down(travelled_m + bounds.apart);
     pair.above_until_m = rounded_down(travelled_m + above_of(bounds, pair.on_object));
-    ask(pair.on_tool, pair.on_object, Asked::kAllFeatures, bounds);
+    ask(pair.on_tool, pair.on_object, Asked::all_features, bounds);
   }
   return collector.count();
 }

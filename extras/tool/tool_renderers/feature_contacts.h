@@ -95,13 +95,13 @@ class NearPairFinder {
     double translated_m = 0.0, turned_rad = 0.0;  // sums over all steps
     [[nodiscard]] double travelled_m() const { return translated_m + lever_m * turned_rad; }
   };
-  // Vertices, edges and faces of a pair of triangles that may be near, one bit for two of them: kVertexFace and so on.
+  // Vertices, edges and faces of a pair of triangles that may be near, one bit for two of them: vertex_face and so on.
   using Features = std::uint64_t;
   struct AwakePair {
     std::int32_t on_tool, on_object;
     Features features;
   };
-  // All features that can be near while the tool travels no farther than kAwake_m and no larger margin or overlap is
+  // All features that can be near while the tool travels no farther than awake_m and no larger margin or overlap is
   // asked for, in the order of the trees. Gathered from a list bit by bit, at the poses of several questions, so that
   // what was travelled counts from the first of them.
   struct Awake {
@@ -162,13 +162,13 @@ class NearPairFinder {
   double unit_m_;
   List now_, next_;
   Awake awake_, next_awake_;
-  bool gathering_ = false;                          // next_awake_, from now_
-  std::size_t asked_last_ = 0;                      // pairs, for awake_
-  double mean_step_m_ = 0.0;                        // from question to question
-  std::array<Open, 2 * SphereTree::kDepth> stack_;  // of the next list
-  std::size_t open_ = 0;                            // 0: none is being made
-  std::size_t visited_ = 0, visited_last_ = 0;      // nodes, of the next list and of the one before
-  bool too_many_ = false;                           // the last list did not hold all
+  bool gathering_ = false;                               // next_awake_, from now_
+  std::size_t asked_last_ = 0;                           // pairs, for awake_
+  double mean_step_m_ = 0.0;                             // from question to question
+  std::array<Open, 2 * SphereTree::stack_depth> stack_;  // of the next list
+  std::size_t open_ = 0;                                 // 0: none is being made
+  std::size_t visited_ = 0, visited_last_ = 0;           // nodes, of the next list and of the one before
+  bool too_many_ = false;                                // the last list did not hold all
   tool::Pose asked_at_;
   Turned tool_W_, object_T_;
   std::uint64_t question_ = 0;

@@ -44,7 +44,7 @@ class GodObjectTool : public tool::ToolRenderer {
   tool::ToolResult do_step(const tool::ToolState& state, double dt_s) noexcept override;
 
  private:
-  static constexpr std::size_t kMostPairs = 256;
+  static constexpr std::size_t most_pairs = 256;
 
   FeatureMesh tool_;
   FeatureMesh object_;
@@ -54,8 +54,8 @@ class GodObjectTool : public tool::ToolRenderer {
   bool placed_ = false;
   tool::Pose proxy_;
   double margin_m_ = 0.0;
-  std::array<NearPair, kMostPairs> pairs_;
-  std::array<HalfSpace6, kMostPairs> half_spaces_;
+  std::array<NearPair, most_pairs> pairs_;
+  std::array<HalfSpace6, most_pairs> half_spaces_;
   std::array<tool::ToolContact, 6> contacts_;
 };
 

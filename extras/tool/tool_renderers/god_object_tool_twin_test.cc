@@ -136,11 +136,11 @@ TEST(GodObjectToolTwin, RestsWhereTheExactTwinDoesOnAPlane) {
 }
 
 TEST(GodObjectToolTwin, RestsWhereTheExactTwinDoesInAGroove) {
-  constexpr double kDepth = 0.02;
+  constexpr double press_depth = 0.02;
   const Vec3 right = Vec3(0, -1, 1).normalized();
   const Vec3 left = Vec3(0, 1, 1).normalized();
-  expect_same(contacts::groove_mesh(kDepth, 0.25 * std::numbers::pi, 0.04),
-              {{right, -kDepth * right.z()}, {left, -kDepth * left.z()}}, 26002);
+  expect_same(contacts::groove_mesh(press_depth, 0.25 * std::numbers::pi, 0.04),
+              {{right, -press_depth * right.z()}, {left, -press_depth * left.z()}}, 26002);
 }
 
 }  // namespace

@@ -7,9 +7,9 @@ namespace touchstone::tool_renderers {
 
 LeastConstraint least_constraint(std::span<const HalfSpace6> half_spaces, const Vec6& u, double rounding) noexcept {
   // Each exchange lengthens |y - u|, so no set comes twice; this many mean that rounding decides.
-  constexpr int kMostExchanges = 400;
+  constexpr int most_exchanges = 400;
   // Of |a|^2: a direction within rounding of the span of the active ones.
-  constexpr double kDependent = 1e-12;
+  constexpr double dependent = 1e-12;
   using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
   using SmallVec = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
@@ -41,7 +41,7 @@ LeastConstraint least_constraint(std::span<const HalfSpace6> half_spaces, const 
     double multiplier = 0.0;
     bool full = false;
     while (!full) {
-      if (++exchanges > kMostExchanges) return result;
+      if (++exchanges > most_exchanges) return result;
       const int n = result.active_count;
       // r: how the active multipliers give way; z: the part of the new direction that they leave.
       SmallVec r(n);
@@ -59,7 +59,7 @@ LeastConstraint least_constraint(std::span<const HalfSpace6> half_spaces, const 
         for (int i = 0; i < n; ++i) z -= r[i] * half_spaces[std::size_t(result.active[std::size_t(i)])].a;
       }
       const double square = z.squaredNorm();
-      const bool moves = n < 6 && square > kDependent * entering.a.squaredNorm();
+      const bool moves = n < 6 && square > dependent * entering.a.squaredNorm();
       const double infinite = std::numeric_limits<double>::infinity();
       const double whole = moves ? (entering.b - entering.a.dot(result.y)) / square : infinite;
       double step = whole;

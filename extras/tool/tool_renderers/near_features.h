@@ -15,9 +15,9 @@
 namespace touchstone::tool_renderers {
 
 // Rounding of directions, and of places relative to the size of a triangle.
-inline constexpr double kSlack = 1e-9;
+inline constexpr double slack = 1e-9;
 // Edges that are closer to parallel than this have no normal of their own; their ends touch faces.
-inline constexpr double kParallel = 1e-6;
+inline constexpr double parallel = 1e-6;
 
 struct Corners {
   const Vec3 &a, &b, &c;
@@ -26,7 +26,7 @@ struct Corners {
 inline bool above_triangle(const Corners& t, const Vec3& n, const Vec3& p) {
   const auto beside = [&](const Vec3& from, const Vec3& to) {
     const Vec3 along = to - from;
-    return along.cross(p - from).dot(n) < -kSlack * along.squaredNorm();
+    return along.cross(p - from).dot(n) < -slack * along.squaredNorm();
   };
   return !beside(t.a, t.b) && !beside(t.b, t.c) && !beside(t.c, t.a);
 }
@@ -34,7 +34,7 @@ inline bool above_triangle(const Corners& t, const Vec3& n, const Vec3& p) {
 class Collector {
  public:
   Collector(double margin_m, double overlap_m, double unit_m, std::span<NearPair> pairs)
-      : margin_m_(margin_m), overlap_m_(overlap_m), nearest_(kNearest_m / unit_m), pairs_(pairs) {}
+      : margin_m_(margin_m), overlap_m_(overlap_m), nearest_(nearest_m / unit_m), pairs_(pairs) {}
 
   // A vertex that is nearer to an edge has no direction from it.
   [[nodiscard]] double nearest() const { return nearest_; }
@@ -52,7 +52,7 @@ class Collector {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
-  static constexpr double kNearest_m = 1e-7;
+  static constexpr double nearest_m = 1e-7;
 
   double margin_m_;
   double overlap_m_;
@@ -94,8 +94,8 @@ class NearPairFinder::Asked {
  public:
   // Where the features of two triangles stand among the bits of Features: a vertex of the tool's and the object's face,
   // or its edges (3 for each vertex); a vertex of the object's likewise; edges of both (3 of the tool's for each).
-  static constexpr unsigned kVertexFace = 0, kVertexEdge = 3, kFaceVertex = 12, kEdgeVertex = 15, kEdgeEdge = 24;
-  static constexpr Features kAllFeatures = (Features(1) << 33U) - 1;
+  static constexpr unsigned vertex_face = 0, vertex_edge = 3, face_vertex = 12, edge_vertex = 15, edge_edge = 24;
+  static constexpr Features all_features = (Features(1) << 33U) - 1;
   static bool has(Features features, unsigned bit) { return ((features >> bit) & 1U) != 0; }
   // A bit, or one of three.
   static bool any(Features features, unsigned bit, unsigned three) {
@@ -140,14 +140,14 @@ class NearPairFinder::Asked {
     const Corners tool_corners = corners_of(tool_, s);
     for (unsigned k = 0; k < 3; ++k) {
       const std::int32_t v = on_tool.vertices[k];
-      if (v < 0 || !any(features, kVertexFace + k, kVertexEdge + 3 * k)) continue;
+      if (v < 0 || !any(features, vertex_face + k, vertex_edge + 3 * k)) continue;
       const Vec3& p = tool_W(v);
       const double gap = on_object.n.dot(p - object_corners.a);
-      if (has(features, kVertexFace + k) && collector.wants(gap) && above_triangle(object_corners, on_object.n, p))
+      if (has(features, vertex_face + k) && collector.wants(gap) && above_triangle(object_corners, on_object.n, p))
         collector.add({p, on_object.n, gap});
       for (unsigned j = 0; j < 3; ++j) {
         const std::int32_t f = on_object.edges[j];
-        if (f < 0 || !has(features, kVertexEdge + 3 * k + j)) continue;
+        if (f < 0 || !has(features, vertex_edge + 3 * k + j)) continue;
         const FeatureMesh::Edge& edge = object_.edge(f);
         if (apart(p, 0.0, edge.ball.center, edge.ball.radius, reach)) continue;
         const auto away =
@@ -158,14 +158,14 @@ class NearPairFinder::Asked {
     // In the tool's frame: one point turns instead of three.
     for (unsigned k = 0; k < 3; ++k) {
       const std::int32_t v = on_object.vertices[k];
-      if (v < 0 || !any(features, kFaceVertex + k, kEdgeVertex + 3 * k)) continue;
+      if (v < 0 || !any(features, face_vertex + k, edge_vertex + 3 * k)) continue;
       const Vec3& p_T = object_T(v);
       const double gap = on_tool.n.dot(p_T - tool_corners.a);
-      if (has(features, kFaceVertex + k) && collector.wants(gap) && above_triangle(tool_corners, on_tool.n, p_T))
+      if (has(features, face_vertex + k) && collector.wants(gap) && above_triangle(tool_corners, on_tool.n, p_T))
         collector.add({object_.vertex(v), -n_W_, gap});
       for (unsigned j = 0; j < 3; ++j) {
         const std::int32_t e = on_tool.edges[j];
-        if (e < 0 || !has(features, kEdgeVertex + 3 * k + j)) continue;
+        if (e < 0 || !has(features, edge_vertex + 3 * k + j)) continue;
         const FeatureMesh::Edge& edge = tool_.edge(e);
         if (apart(p_T, 0.0, edge.ball.center, edge.ball.radius, reach)) continue;
         const auto away =
@@ -177,7 +177,7 @@ class NearPairFinder::Asked {
     for (unsigned k = 0; k < 3; ++k) {
       if (on_object.edges[k] < 0) continue;
       for (unsigned j = 0; j < 3; ++j) {
-        if (on_tool.edges[j] >= 0 && has(features, kEdgeEdge + 3 * k + j))
+        if (on_tool.edges[j] >= 0 && has(features, edge_edge + 3 * k + j))
           edge_pair(tool_.edge(on_tool.edges[j]), object_.edge(on_object.edges[k]), reach, collector);
       }
     }
@@ -197,11 +197,11 @@ class NearPairFinder::Asked {
       const std::int32_t v = on_tool.vertices[k];
       if (v < 0) continue;
       const Vec3& p = tool_W(v);
-      set(kVertexFace + k, may_be_above(object_corners, on_object.n, p, loose.way_m, loose));
+      set(vertex_face + k, may_be_above(object_corners, on_object.n, p, loose.way_m, loose));
       for (unsigned j = 0; j < 3; ++j) {
         if (on_object.edges[j] < 0) continue;
         const FeatureMesh::Edge& edge = object_.edge(on_object.edges[j]);
-        set(kVertexEdge + 3 * k + j,
+        set(vertex_edge + 3 * k + j,
             may_be_beside(p, object_.vertex(edge.ends[0]), object_.vertex(edge.ends[1]), edge, loose.way_m, loose));
       }
     }
@@ -211,11 +211,11 @@ class NearPairFinder::Asked {
       const Vec3& p_T = object_T(v);
       // A point of the object that is farther from the tool's origin moves against it by more.
       const double way_m = loose.way_m * std::max(1.0, (p_T.norm() + loose.way_m) / loose.lever_m);
-      set(kFaceVertex + k, may_be_above(tool_corners, on_tool.n, p_T, way_m, loose));
+      set(face_vertex + k, may_be_above(tool_corners, on_tool.n, p_T, way_m, loose));
       for (unsigned j = 0; j < 3; ++j) {
         if (on_tool.edges[j] < 0) continue;
         const FeatureMesh::Edge& edge = tool_.edge(on_tool.edges[j]);
-        set(kEdgeVertex + 3 * k + j,
+        set(edge_vertex + 3 * k + j,
             may_be_beside(p_T, tool_.vertex(edge.ends[0]), tool_.vertex(edge.ends[1]), edge, way_m, loose));
       }
     }
@@ -223,7 +223,7 @@ class NearPairFinder::Asked {
       if (on_object.edges[k] < 0) continue;
       for (unsigned j = 0; j < 3; ++j) {
         if (on_tool.edges[j] >= 0)
-          set(kEdgeEdge + 3 * k + j,
+          set(edge_edge + 3 * k + j,
               may_be_edge_pair(tool_.edge(on_tool.edges[j]), object_.edge(on_object.edges[k]), loose));
       }
     }
@@ -241,19 +241,19 @@ class NearPairFinder::Asked {
     const Vec3 v = object_.vertex(on_object.ends[1]) - b;
     Vec3 n = u.cross(v);
     const double square = n.squaredNorm();
-    if (square <= kParallel * kParallel * u.squaredNorm() * v.squaredNorm()) return;
+    if (square <= parallel * parallel * u.squaredNorm() * v.squaredNorm()) return;
     // The lines' common perpendicular: its feet at a + s u and b + t v.
     const Vec3 between = b - a;
     const double s = between.cross(v).dot(n) / square;
     const double t = between.cross(u).dot(n) / square;
-    if (s < -kSlack || s > 1.0 + kSlack || t < -kSlack || t > 1.0 + kSlack) return;
+    if (s < -slack || s > 1.0 + slack || t < -slack || t > 1.0 + slack) return;
     n /= std::sqrt(square);
     if (n.dot(on_object.outward) < 0.0) n = -n;
     const double gap = -n.dot(between);
     if (!collector.wants(gap)) return;
     for (int k = 0; k < 2; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      if (n.dot(on_object.inward[i]) > kSlack || n.dot(rotation_ * on_tool.inward[i]) < -kSlack) return;
+      if (n.dot(on_object.inward[i]) > slack || n.dot(rotation_ * on_tool.inward[i]) < -slack) return;
     }
     collector.add({a + s * u, n, gap});
   }
@@ -264,7 +264,7 @@ class NearPairFinder::Asked {
     const auto beside = [&](const Vec3& from, const Vec3& to) {
       const Vec3 along = to - from;
       const double square = along.squaredNorm();
-      return along.cross(p - from).dot(n) < -kSlack * square - std::sqrt(square) * way_m;
+      return along.cross(p - from).dot(n) < -slack * square - std::sqrt(square) * way_m;
     };
     return !beside(corners.a, corners.b) && !beside(corners.b, corners.c) && !beside(corners.c, corners.a);
   }
@@ -299,8 +299,8 @@ class NearPairFinder::Asked {
     const double v_length = v.norm();
     const double sine = std::sqrt(square) / (u_length * v_length);
     const double turn = loose.way_m / loose.lever_m;
-    constexpr double kNearlyParallel = 4.0;  // turns: what follows is for angles well above them
-    if (!(sine > kNearlyParallel * turn)) return true;
+    constexpr double nearly_parallel = 4.0;  // turns: what follows is for angles well above them
+    if (!(sine > nearly_parallel * turn)) return true;
     // asin(x) <= pi / 3 x for x <= 1 / 2.
     const double lean = std::numbers::pi / 3.0 * turn / sine;
     n /= std::sqrt(square);
@@ -314,12 +314,12 @@ class NearPairFinder::Asked {
     const Vec3 cross = u.cross(v);
     const double s = between.cross(v).dot(cross) / square;
     const double t = between.cross(u).dot(cross) / square;
-    const double more_s = kSlack + shift / (sine * u_length);
-    const double more_t = kSlack + shift / (sine * v_length);
+    const double more_s = slack + shift / (sine * u_length);
+    const double more_t = slack + shift / (sine * v_length);
     if (!(s >= -more_s && s <= 1.0 + more_s && t >= -more_t && t <= 1.0 + more_t)) return false;
     for (int k = 0; k < 2; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      if (n.dot(on_object.inward[i]) > kSlack + lean || n.dot(rotation_ * on_tool.inward[i]) < -kSlack - lean - turn)
+      if (n.dot(on_object.inward[i]) > slack + lean || n.dot(rotation_ * on_tool.inward[i]) < -slack - lean - turn)
         return false;
     }
     return true;

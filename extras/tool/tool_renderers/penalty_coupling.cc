@@ -48,7 +48,7 @@ tool::ToolRendererEntry penalty_coupling_entry() {
                   const tool::Coupling& coupling) -> std::unique_ptr<tool::ToolRenderer> {
     return std::make_unique<PenaltyCoupling>(
         tool, shell_of(tool, parameters.at("point_spacing_m")), make_embree_surface(object_W), coupling,
-        parameters.at("contact_stiffness_N_per_m"), parameters.at(tool::kFrictionParameter));
+        parameters.at("contact_stiffness_N_per_m"), parameters.at(tool::friction_parameter_name));
   };
   entry.resolution_m = [](const rendering::Parameters& parameters, double force_N) {
     return force_N / parameters.at("contact_stiffness_N_per_m");
@@ -83,7 +83,7 @@ tool::ToolResult PenaltyCoupling::do_step(const tool::ToolState& state, double d
     std::size_t touching = 0;
     std::size_t listed = 0;
     if (friction_) friction_->begin_step();
-    std::array<std::int32_t, SphereTree::kDepth>
+    std::array<std::int32_t, SphereTree::stack_depth>
         stack;  // NOLINT(cppcoreguidelines-pro-type-member-init): written first
     std::size_t size = 0;
     stack[size++] = 0;
@@ -117,7 +117,7 @@ tool::ToolResult PenaltyCoupling::do_step(const tool::ToolState& state, double d
         give.noalias() += stiffness_N_per_m_ * w * w.transpose();
         force = stiffness_N_per_m_ * depth * n;
       }
-      if (listed < kMostContacts) contacts_[listed++] = {p, n, force};
+      if (listed < most_contacts) contacts_[listed++] = {p, n, force};
       ++touching;
     }
     const Wrench pull = coupling_wrench(coupling_, state.handle, proxy_);

@@ -47,7 +47,7 @@ class PenaltyCoupling : public tool::ToolRenderer {
   tool::ToolResult do_step(const tool::ToolState& state, double dt_s) noexcept override;
 
  private:
-  static constexpr std::size_t kMostContacts = 512;  // that a result lists; all count for the force
+  static constexpr std::size_t most_contacts = 512;  // that a result lists; all count for the force
 
   tool::MassFrame mass_;
   tool::PointShell shell_;
@@ -60,7 +60,7 @@ class PenaltyCoupling : public tool::ToolRenderer {
   tool::Pose handle_;
   tool::Pose proxy_;
   Vec6 velocity_ = Vec6::Zero();
-  std::array<tool::ToolContact, kMostContacts> contacts_;
+  std::array<tool::ToolContact, most_contacts> contacts_;
 };
 
 }  // namespace touchstone::tool_renderers

@@ -29,7 +29,7 @@ class SphereTree {
     std::int32_t item = -1;   // of a leaf
     std::uint8_t tags = 0;    // of all items below, see tag()
   };
-  static constexpr std::size_t kDepth = 128;  // of the stack of a visit: medians halve
+  static constexpr std::size_t stack_depth = 128;  // of the stack of a visit: medians halve
 
   // At least one item; each ball holds all of its item.
   explicit SphereTree(std::span<const Ball> items);

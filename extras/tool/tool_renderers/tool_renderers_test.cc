@@ -23,9 +23,9 @@
 namespace touchstone::tool_renderers {
 using surface::TriangleMesh;
 using tool::Coupling;
-using tool::kToolFaultNames;
 using tool::Pose;
 using tool::Tool;
+using tool::tool_fault_names;
 using tool::ToolFinding;
 using tool::ToolRendererEntry;
 using tool::ToolResult;
@@ -38,9 +38,9 @@ using contacts::Equilibrium;
 using contacts::ExactCase;
 using contacts::make_exact_case;
 
-constexpr double kDensity_kg_per_m3 = 1000.0;
+constexpr double material_density_kg_per_m3 = 1000.0;
 
-Tool tool_of(const TriangleMesh& mesh) { return {mesh, tool::solid_mass_frame(mesh, kDensity_kg_per_m3)}; }
+Tool tool_of(const TriangleMesh& mesh) { return {mesh, tool::solid_mass_frame(mesh, material_density_kg_per_m3)}; }
 
 struct Errors {
   double force_N = 0.0;
@@ -212,8 +212,8 @@ TEST(NearPairFinder, AnswersTheSameWhileFeaturesStayAwake) {
 TEST(NearPairFinder, MorePairsThanAreKeptAreAskedPartByPart) {
   const FeatureMesh tool(contacts::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 2000));
   const FeatureMesh object(contacts::box_mesh(Vec3(-0.04, -0.04, -0.02), Vec3(0.04, 0.04, 0.0), 9));
-  constexpr double kUnit_m = 1e-3;
-  NearPairFinder kept(tool, object, kUnit_m);
+  constexpr double millimetre_m = 1e-3;
+  NearPairFinder kept(tool, object, millimetre_m);
   Random random(75);
   std::array<NearPair, 64> found, fresh;
   Pose pose{Vec3(0, 0, 0.046), Quat::Identity()};
@@ -222,7 +222,7 @@ TEST(NearPairFinder, MorePairsThanAreKeptAreAskedPartByPart) {
     pose = moved(pose, {0.03e-3 * random.direction(), 1e-3 * random.direction()});
     pose.p_W_m.z() = std::clamp(pose.p_W_m.z(), 0.0455, 0.0465);
     const std::size_t count = kept.find(pose, 0.3e-3, 0.2e-3, found);
-    ASSERT_EQ(NearPairFinder(tool, object, kUnit_m).find(pose, 0.3e-3, 0.2e-3, fresh), count);
+    ASSERT_EQ(NearPairFinder(tool, object, millimetre_m).find(pose, 0.3e-3, 0.2e-3, fresh), count);
     for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(found[k].gap_m, fresh[k].gap_m);
     pairs += count;
   }
@@ -237,14 +237,14 @@ TEST(Voxmap, LayersOfABox) {
   for (int i = 0; i < 5000; ++i) {
     const Vec3 p(random.uniform(-0.003, 0.013), random.uniform(-0.003, 0.023), random.uniform(-0.003, 0.033));
     const Voxmap::Place place = map.at_point(p);
-    if (place.layer == Voxmap::kFree) {
+    if (place.layer == Voxmap::free_voxel) {
       EXPECT_GT(surface->signed_distance(p), -0.5e-3 * std::numbers::sqrt3) << "free points lie outside, to a voxel";
       continue;
     }
     EXPECT_LE((place.center_W_m - p).cwiseAbs().maxCoeff(), 0.25e-3 + 1e-12);
     const double depth = -surface->signed_distance(place.center_W_m);
     const int layer =
-        std::min(static_cast<int>(std::floor(depth / 0.5e-3 + 0.5)) + 1, static_cast<int>(Voxmap::kDeepest));
+        std::min(static_cast<int>(std::floor(depth / 0.5e-3 + 0.5)) + 1, static_cast<int>(Voxmap::deepest_layer));
     EXPECT_EQ(static_cast<int>(place.layer), layer);
   }
 }
@@ -300,14 +300,14 @@ TEST_P(EveryToolRenderer, PassesTheChecks) {
 }
 
 TEST_P(EveryToolRenderer, FaultsAreCaughtByName) {
-  for (std::size_t f = 0; f < kToolFaultNames.size(); ++f) {
+  for (std::size_t f = 0; f < tool_fault_names.size(); ++f) {
     const ToolSubject right = subject_of(find_tool_renderer(tool_renderer_catalogue(), GetParam()), {});
-    if (kToolFaultNames[f].starts_with("friction")) {
-      EXPECT_THROW(with_fault(right, kToolFaultNames[f]), UsageError) << "there is none to plant it in";
+    if (tool_fault_names[f].starts_with("friction")) {
+      EXPECT_THROW(with_fault(right, tool_fault_names[f]), UsageError) << "there is none to plant it in";
       continue;
     }
-    const ToolSubject subject = with_fault(right, kToolFaultNames[f]);
-    EXPECT_THAT(faults_named(subject), ::testing::ElementsAre(std::string(kToolFaultNames[f])));
+    const ToolSubject subject = with_fault(right, tool_fault_names[f]);
+    EXPECT_THAT(faults_named(subject), ::testing::ElementsAre(std::string(tool_fault_names[f])));
   }
 }
 
@@ -331,7 +331,7 @@ TEST(GodObjectTool, AParameterOfAnyUnitFollowsTheUnitOfLength) {
                      const rendering::Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
                      const Coupling& coupling) {
       // 4 in metres; anything but what follows the unit makes the coupling another one.
-      const double unit_m = parameters.at(tool::kUnitParameter);
+      const double unit_m = parameters.at(tool::unit_parameter_name);
       const double right = 4.0 * std::pow(unit_m, -of_length);
       std::map<std::string, double> rest(parameters.values().begin(), parameters.values().end());
       rest.erase("own");
@@ -406,13 +406,13 @@ INSTANTIATE_TEST_SUITE_P(Tools, EveryToolRenderer,
 TEST(ToolOfPoints, IsRenderedAsTheMeshThatItWasMadeFrom) {
   const ExactCase c = make_exact_case("box-corner");
   const Tool mesh = tool_of(c.tool_T);
-  constexpr double kSpacing_m = 1e-3;
+  constexpr double point_spacing_m = 1e-3;
   Tool points;
   points.mass = mesh.mass;
-  points.shell = tool::make_point_shell(c.tool_T, kSpacing_m);
+  points.shell = tool::make_point_shell(c.tool_T, point_spacing_m);
   for (const char* name : {"voxmap-pointshell", "penalty-coupling"}) {
     ToolSettings settings;
-    settings.parameters["point_spacing_m"] = kSpacing_m;
+    settings.parameters["point_spacing_m"] = point_spacing_m;
     const auto of_mesh = make_tool_renderer(name, mesh, c.object_W, settings);
     const auto of_points = make_tool_renderer(name, points, c.object_W, {});
     for (const Pose& handle : c.handles) {

@@ -17,12 +17,12 @@ class Voxmap {
   // Throws UsageError where the voxel would make more than a thousand million voxels, or none.
   Voxmap(const surface::Surface& object, double voxel_m);
 
-  static constexpr std::uint8_t kFree = 0;
-  static constexpr std::uint8_t kSurface = 1;  // the centre lies within half a voxel of the surface
-  static constexpr std::uint8_t kDeepest = 6;  // 2 to 6: layers below; 6 is also all that is deeper
+  static constexpr std::uint8_t free_voxel = 0;
+  static constexpr std::uint8_t surface_voxel = 1;  // the centre lies within half a voxel of the surface
+  static constexpr std::uint8_t deepest_layer = 6;  // 2 to 6: layers below; 6 is also all that is deeper
 
   struct Place {
-    std::uint8_t layer = kFree;
+    std::uint8_t layer = free_voxel;
     Vec3 center_W_m;  // of the voxel
   };
   // Free outside the map.
@@ -33,7 +33,7 @@ class Voxmap {
     const auto y = static_cast<std::size_t>(cell.y());
     const auto z = static_cast<std::size_t>(cell.z());
     const std::uint8_t layer = layers_[(z * std::size_t(count_[1]) + y) * std::size_t(count_[0]) + x];
-    if (layer == kFree) return {};
+    if (layer == free_voxel) return {};
     return {layer, low_W_m_ + voxel_m_ * Vec3(double(x) + 0.5, double(y) + 0.5, double(z) + 0.5)};
   }
   [[nodiscard]] double voxel_m() const noexcept { return voxel_m_; }

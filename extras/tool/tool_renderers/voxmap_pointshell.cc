@@ -42,13 +42,13 @@ tool::ToolResult VoxmapPointshell::do_step(const tool::ToolState& state, double 
     proxy_ = state.handle;
     placed_ = true;
   }
-  constexpr double kFullForceUpTo = 10.0;  // points: McNeely et al. 1999, section 5
+  constexpr double full_force_up_to = 10.0;  // points: McNeely et al. 1999, section 5
   // Several steps per tick only while the proxy is far behind: what a tick may cost is bounded.
-  constexpr int kMostSteps = 4;
+  constexpr int most_steps = 4;
   const double longest_step_m = 0.5 * map_.voxel_m();
   std::size_t touching = 0;
   std::size_t listed = 0;
-  for (int round = 0; round < kMostSteps; ++round) {
+  for (int round = 0; round < most_steps; ++round) {
     const Mat3 rotation = proxy_.q_WT.toRotationMatrix();
     touching = listed = 0;
     Vec6 push = Vec6::Zero();
@@ -57,18 +57,18 @@ tool::ToolResult VoxmapPointshell::do_step(const tool::ToolState& state, double 
       const Vec3 r = rotation * shell_.p_T_m[i];
       const Vec3 p = proxy_.p_W_m + r;
       const Voxmap::Place place = map_.at_point(p);
-      if (place.layer == Voxmap::kFree) continue;
+      if (place.layer == Voxmap::free_voxel) continue;
       const Vec3 n = rotation * shell_.inward_T[i];
-      const double d = n.dot(place.center_W_m - p) + double(place.layer - Voxmap::kSurface) * map_.voxel_m();
+      const double d = n.dot(place.center_W_m - p) + double(place.layer - Voxmap::surface_voxel) * map_.voxel_m();
       if (!(d > 0.0)) continue;
       Vec6 w;
       w << n, r.cross(n);
       push += stiffness_N_per_m_ * d * w;
       give.noalias() += stiffness_N_per_m_ * w * w.transpose();
-      if (listed < kMostContacts) contacts_[listed++] = {p, n, stiffness_N_per_m_ * d * n};
+      if (listed < most_contacts) contacts_[listed++] = {p, n, stiffness_N_per_m_ * d * n};
       ++touching;
     }
-    const double share = double(touching) > kFullForceUpTo ? kFullForceUpTo / double(touching) : 1.0;
+    const double share = double(touching) > full_force_up_to ? full_force_up_to / double(touching) : 1.0;
     for (std::size_t i = 0; i < listed; ++i) contacts_[i].f_W_N *= share;
     const Wrench pull = coupling_wrench(coupling_, state.handle, proxy_);
     push *= share;

@@ -35,7 +35,7 @@ class VoxmapPointshell : public tool::ToolRenderer {
   tool::ToolResult do_step(const tool::ToolState& state, double dt_s) noexcept override;
 
  private:
-  static constexpr std::size_t kMostContacts = 512;  // that a result lists; all count for the force
+  static constexpr std::size_t most_contacts = 512;  // that a result lists; all count for the force
 
   tool::PointShell shell_;
   Voxmap map_;
@@ -44,7 +44,7 @@ class VoxmapPointshell : public tool::ToolRenderer {
   double reach_m_ = 0.0;
   bool placed_ = false;
   tool::Pose proxy_;
-  std::array<tool::ToolContact, kMostContacts> contacts_;
+  std::array<tool::ToolContact, most_contacts> contacts_;
 };
 
 }  // namespace touchstone::tool_renderers

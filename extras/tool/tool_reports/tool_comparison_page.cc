@@ -18,7 +18,7 @@ using report::Section;
 using report::Table;
 using report::Tone;
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double degrees = 180.0 / std::numbers::pi;
 
 Table per_axis(const ComparedTools& compared, const tool::ToolComparison& errors) {
   Table table;
@@ -67,7 +67,7 @@ Section proxy_over_time(const ComparedTools& compared) {
   section.blocks.emplace_back(plot_over_time("translation error", "[mm]", expected.t_s, "error", Tone::error,
                                              [&](std::size_t i) { return 1e3 * apart(i).translation_m.norm(); }));
   section.blocks.emplace_back(plot_over_time("rotation error", "[degrees]", expected.t_s, "error", Tone::error,
-                                             [&](std::size_t i) { return kDegrees * apart(i).rotation_rad.norm(); }));
+                                             [&](std::size_t i) { return degrees * apart(i).rotation_rad.norm(); }));
   return section;
 }
 
@@ -106,7 +106,7 @@ Page tool_comparison_page(const ComparedTools& compared, const tool::ToolCompari
                                           *errors.max_proxy_translation_jnd, compared.coupling.stiffness_N_per_m),
                               Tone::error});
     page.headlines.push_back(
-        {"proxy, orientation", fmt::format("{:.3g}", kDegrees * *errors.max_proxy_rotation_rad), "degrees",
+        {"proxy, orientation", fmt::format("{:.3g}", degrees * *errors.max_proxy_rotation_rad), "degrees",
          fmt::format("{:.3g} JND of torque through the coupling of {:g} Nm/rad", *errors.max_proxy_rotation_jnd,
                      compared.coupling.rotational_stiffness_Nm_per_rad),
          Tone::error});

@@ -14,13 +14,13 @@ using report::Section;
 using report::Tone;
 
 // More points than this cannot be told apart on a screen.
-constexpr std::size_t kMostPlotted = 4000;
+constexpr std::size_t most_plotted = 4000;
 
 // Of each bin of neighbours the sample that is farthest from zero: no peak is left out.
 Line line_over_time(std::span<const double> t_s, std::string name, Tone tone, bool dashed,
                     const std::function<double(std::size_t)>& value) {
   Line line{std::move(name), {}, {}, tone, dashed, false};
-  const std::size_t stride = t_s.size() / kMostPlotted + 1;
+  const std::size_t stride = t_s.size() / most_plotted + 1;
   for (std::size_t begin = 0; begin < t_s.size(); begin += stride) {
     std::size_t shown = begin;
     for (std::size_t i = begin; i < std::min(begin + stride, t_s.size()); ++i) {

@@ -17,18 +17,18 @@
 namespace touchstone::tool_reports {
 namespace {
 
-constexpr double kBall_m = 0.02;   // radius of the tool, held at its top
-constexpr double kWorld_m = 0.05;  // radius of the object
-constexpr int kLevels = 5;         // 8192 triangles each
+constexpr double ball_m = 0.02;   // radius of the tool, held at its top
+constexpr double world_m = 0.05;  // radius of the object
+constexpr int levels = 5;         // 8192 triangles each
 // A renderer that asks every pair of triangles takes a good part of a second for a step: then fewer steps are timed.
-constexpr std::chrono::seconds kMostTime{30};
+constexpr std::chrono::seconds most_time{30};
 
 // Comes down in a twentieth of a second, 2 mm into the object, then circles and turns.
 tool::Pose on_the_way(int step) {
-  constexpr int kComing = 50;
+  constexpr int coming = 50;
   const double t = 1e-3 * step;
-  const double depth = step < kComing ? 0.003 - 0.005 * step / kComing : -0.002;
-  const tool::Pose touching{Vec3(0, 0, 2.0 * kBall_m), Quat::Identity()};
+  const double depth = step < coming ? 0.003 - 0.005 * step / coming : -0.002;
+  const tool::Pose touching{Vec3(0, 0, 2.0 * ball_m), Quat::Identity()};
   return tool::moved(touching, {Vec3(0.005 * std::sin(3.0 * t), 0.005 * (1.0 - std::cos(3.0 * t)), depth),
                                 0.1 * Vec3(std::sin(2.0 * t), std::sin(3.1 * t), std::sin(1.3 * t))});
 }
@@ -36,10 +36,10 @@ tool::Pose on_the_way(int step) {
 ToolCost measure(const tool::ToolRendererEntry& entry, const tool::ToolSettings& settings) {
   using Clock = std::chrono::steady_clock;
   const auto us = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
-  surface::TriangleMesh ball = surface::sphere_mesh(kBall_m, kLevels);
-  for (Vec3& v : ball.vertices_W_m) v.z() -= kBall_m;
-  surface::TriangleMesh world = surface::sphere_mesh(kWorld_m, kLevels);
-  for (Vec3& v : world.vertices_W_m) v.z() -= kWorld_m;
+  surface::TriangleMesh ball = surface::sphere_mesh(ball_m, levels);
+  for (Vec3& v : ball.vertices_W_m) v.z() -= ball_m;
+  surface::TriangleMesh world = surface::sphere_mesh(world_m, levels);
+  for (Vec3& v : world.vertices_W_m) v.z() -= world_m;
   ToolCost cost;
   cost.tool_triangles = ball.triangle_count();
   cost.object_triangles = world.triangle_count();
@@ -47,13 +47,13 @@ ToolCost measure(const tool::ToolRendererEntry& entry, const tool::ToolSettings&
   auto began = Clock::now();
   const auto renderer = tool::make_tool_renderer(entry, solid, world, settings);
   cost.build_ms = 1e-3 * us(Clock::now() - began);
-  constexpr int kSteps = 4000;
+  constexpr int step_count = 4000;
   std::vector<double> times_us;
-  times_us.reserve(kSteps);
+  times_us.reserve(step_count);
   std::size_t contacts = 0;
   renderer->reset();
   const auto first = Clock::now();
-  for (int i = 0; i < kSteps && Clock::now() - first < kMostTime; ++i) {
+  for (int i = 0; i < step_count && Clock::now() - first < most_time; ++i) {
     const tool::ToolState state{1e-3 * i, on_the_way(i)};
     began = Clock::now();
     const tool::ToolResult result = tool::step_or_throw(*renderer, state);

@@ -54,10 +54,10 @@ TEST(SignalDistance, CorrelationOfLinesIsOneAndOfConstantsNone) {
 TEST(SignalDistance, PerceptualErrorCountsJustNoticeableDifferences) {
   const std::vector<double> real{1.0, 5.0};
   const std::vector<double> one_step{1.2, 5.35};  // 20 % of 1 N, 7 % of 5 N
-  EXPECT_NEAR(perceptual_mean_square_error(real, one_step, kFingertipForce), 1.0, 1e-12);
+  EXPECT_NEAR(perceptual_mean_square_error(real, one_step, fingertip_force), 1.0, 1e-12);
   // The same error in newtons matters less where the force is large.
-  EXPECT_GT(perceptual_mean_square_error(std::vector<double>{0.5}, std::vector<double>{0.6}, kFingertipForce),
-            perceptual_mean_square_error(std::vector<double>{2.0}, std::vector<double>{2.1}, kFingertipForce));
+  EXPECT_GT(perceptual_mean_square_error(std::vector<double>{0.5}, std::vector<double>{0.6}, fingertip_force),
+            perceptual_mean_square_error(std::vector<double>{2.0}, std::vector<double>{2.1}, fingertip_force));
 }
 
 std::vector<double> wave(double amplitude, double offset, double noise, std::uint64_t seed) {

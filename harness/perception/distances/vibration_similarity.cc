@@ -14,7 +14,7 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double machine_epsilon = std::numeric_limits<double>::epsilon();
 
 void check(std::span<const double> real, std::span<const double> rendered, std::size_t block) {
   if (block == 0 || real.size() != rendered.size() || real.size() < block) {
@@ -42,12 +42,12 @@ double similarity(const std::vector<double>& real, const std::vector<double>& re
     both += real[i] * rendered[i];
     own += real[i] * real[i];
   }
-  return both / (own + kEpsilon);
+  return both / (own + machine_epsilon);
 }
 
 std::vector<double> normalised(std::span<const double> block) {
   const double centre = stats::mean(block);
-  const double spread = stats::standard_deviation(block) + kEpsilon;
+  const double spread = stats::standard_deviation(block) + machine_epsilon;
   std::vector<double> result;
   result.reserve(block.size());
   for (const double value : block) result.push_back((value - centre) / spread);
@@ -109,7 +109,7 @@ double spectral_perceptual_quality_index(std::span<const double> real, std::span
       difference += std::abs(std::pow(10.0, 0.1 * x[k]) - std::pow(10.0, 0.1 * y[k]));
       own += std::pow(10.0, 0.1 * x[k]);
     }
-    const double difference_dB = 10.0 * std::log10(difference / (own + kEpsilon));
+    const double difference_dB = 10.0 * std::log10(difference / (own + machine_epsilon));
     sum += 0.5 * (1.0 - std::tanh(settings.spqi_eta * difference_dB - settings.spqi_threshold));
   }
   return sum / static_cast<double>(blocks);

@@ -26,7 +26,7 @@ TEST(ChangeRate, IntegratesBackToWhatIsFelt) {
   Random random(8);
   std::vector<double> x;
   for (int n = 0; n < 2000; ++n) x.push_back(3.0 + 3.0 * std::sin(0.01 * n) + 0.01 * random.normal());
-  const auto felt = dead_band(x, kFingertipForce);
+  const auto felt = dead_band(x, fingertip_force);
   const auto rate = change_rate(felt, 1000.0);
   double integral = felt.held.front();
   for (std::size_t t = 0; t < felt.kept.back(); ++t) integral += rate[t] / 1000.0;

@@ -110,9 +110,9 @@ double joint_sum(std::span<const double> x, std::span<const double> y, std::size
 std::optional<RateHardnessEstimate> estimated_rate_hardness(std::span<const double> force_N,
                                                             std::span<const double> displacement_m, double rate_Hz,
                                                             double contact_force_N) {
-  constexpr double kLine_s = 0.02;
-  constexpr std::size_t kFewestContacts = 3;
-  const auto count = static_cast<std::size_t>(std::max(3.0, std::round(kLine_s * rate_Hz)));
+  constexpr double line_s = 0.02;
+  constexpr std::size_t fewest_contacts = 3;
+  const auto count = static_cast<std::size_t>(std::max(3.0, std::round(line_s * rate_Hz)));
   std::vector<double> time(count);
   for (std::size_t i = 0; i < count; ++i) time[i] = static_cast<double>(i) / rate_Hz;
   const double time_squares = joint_sum(time, time, 0, count);
@@ -130,7 +130,7 @@ std::optional<RateHardnessEstimate> estimated_rate_hardness(std::span<const doub
     }
     free = 0;
   }
-  if (values.size() < kFewestContacts) return std::nullopt;
+  if (values.size() < fewest_contacts) return std::nullopt;
   const auto n = static_cast<double>(values.size());
   RateHardnessEstimate estimate;
   estimate.contacts = values.size();

@@ -19,12 +19,12 @@ struct RateHardness {
   double guarded_share = 0.0;          // 1: the motion never changed, every value is 0
 };
 
-inline constexpr std::size_t kRateHardnessWindow = 10;  // samples; the paper's choice from 5, 10, 20 and 40
-inline constexpr double kRateHardnessGuard = 0.1;
+inline constexpr std::size_t default_rate_hardness_window = 10;  // samples; the paper's choice from 5, 10, 20 and 40
+inline constexpr double rate_hardness_guard = 0.1;
 
 // Throws BadData for series of unequal length or not longer than the window, UsageError for a window of 0.
 RateHardness rate_hardness(std::span<const double> force_N, std::span<const double> displacement_m, std::size_t window,
-                           double guard = kRateHardnessGuard);
+                           double guard = rate_hardness_guard);
 
 // What a window costs and gives (figure 8).
 struct WindowTradeOff {

@@ -48,7 +48,7 @@ TEST(DeadBand, InvariantsOverScalesAndShapes) {
 TEST(DeadBand, TheStepsOfARampAreWebersLaw) {
   std::vector<double> ramp;
   for (int n = 0; n <= 60000; ++n) ramp.push_back(1e-4 * n);
-  const auto felt = dead_band(ramp, kFingertipForce);
+  const auto felt = dead_band(ramp, fingertip_force);
   EXPECT_EQ(felt.held[599], 0.0);  // below 0.06 N nothing is felt
   EXPECT_NEAR(felt.held[600], 0.06, 1e-12);
   for (std::size_t i = 2; i < felt.kept.size(); ++i) {
@@ -61,11 +61,11 @@ TEST(DeadBand, TheStepsOfARampAreWebersLaw) {
 }
 
 TEST(DeadBand, ConstantAndSilentSeriesKeepOneSample) {
-  EXPECT_EQ(dead_band(std::vector<double>(100, 3.0), kFingertipForce).kept.size(), 1u);
-  const auto silent = dead_band(std::vector<double>(100, 0.05), kFingertipForce);
+  EXPECT_EQ(dead_band(std::vector<double>(100, 3.0), fingertip_force).kept.size(), 1u);
+  const auto silent = dead_band(std::vector<double>(100, 0.05), fingertip_force);
   EXPECT_EQ(silent.kept.size(), 1u);
   EXPECT_EQ(silent.held.back(), 0.0);
-  EXPECT_EQ(dead_band({}, kFingertipForce).reduction(), 0.0);
+  EXPECT_EQ(dead_band({}, fingertip_force).reduction(), 0.0);
 }
 
 TEST(DeadBand, DisplacementTakesItsFractionFromTheForce) {
@@ -73,11 +73,11 @@ TEST(DeadBand, DisplacementTakesItsFractionFromTheForce) {
   const std::vector<double> light(5, 1.0);
   const std::vector<double> firm(5, 5.0);
   // 15 % of 10 mm is not noticed at 1 N (20 %) and is at 5 N (7 %).
-  EXPECT_EQ(displacement_dead_band(displacement, light, kFingertipForce, 0.0).kept, (std::vector<std::size_t>{0, 3}));
-  EXPECT_EQ(displacement_dead_band(displacement, firm, kFingertipForce, 0.0).kept, (std::vector<std::size_t>{0, 1, 3}));
-  const auto once = displacement_dead_band(displacement, firm, kFingertipForce, 0.0);
-  EXPECT_EQ(displacement_dead_band(once.held, firm, kFingertipForce, 0.0).held, once.held);
-  EXPECT_THROW(displacement_dead_band(displacement, std::vector<double>(4, 1.0), kFingertipForce, 0.0), BadData);
+  EXPECT_EQ(displacement_dead_band(displacement, light, fingertip_force, 0.0).kept, (std::vector<std::size_t>{0, 3}));
+  EXPECT_EQ(displacement_dead_band(displacement, firm, fingertip_force, 0.0).kept, (std::vector<std::size_t>{0, 1, 3}));
+  const auto once = displacement_dead_band(displacement, firm, fingertip_force, 0.0);
+  EXPECT_EQ(displacement_dead_band(once.held, firm, fingertip_force, 0.0).held, once.held);
+  EXPECT_THROW(displacement_dead_band(displacement, std::vector<double>(4, 1.0), fingertip_force, 0.0), BadData);
 }
 
 }  // namespace

@@ -10,10 +10,10 @@
 
 namespace touchstone::perception {
 
-inline constexpr double kFingerBandLow_Hz = 2.0;
-inline constexpr double kFingerBandHigh_Hz = 6.0;
+inline constexpr double finger_band_low_Hz = 2.0;
+inline constexpr double finger_band_high_Hz = 6.0;
 
 // Keeps 0..limit_Hz. Throws UsageError unless 0 < limit_Hz and 0 < rate_Hz.
-std::vector<double> output_band(std::span<const double> x, double rate_Hz, double limit_Hz = kFingerBandHigh_Hz);
+std::vector<double> output_band(std::span<const double> x, double rate_Hz, double limit_Hz = finger_band_high_Hz);
 
 }  // namespace touchstone::perception

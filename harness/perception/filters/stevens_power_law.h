@@ -19,8 +19,8 @@ struct StevensPowerLaw {
 };
 
 // Exponents from Stevens, "Psychophysics" (1975), table 1: static muscle contraction, lifted weight, finger span.
-inline constexpr double kStevensMuscleForce = 1.7;
-inline constexpr double kStevensHeaviness = 1.45;
-inline constexpr double kStevensFingerSpan = 1.3;
+inline constexpr double stevens_muscle_force = 1.7;
+inline constexpr double stevens_heaviness = 1.45;
+inline constexpr double stevens_finger_span = 1.3;
 
 }  // namespace touchstone::perception

@@ -37,6 +37,6 @@ class NoticeableSteps {
 
 // Force on the fingertip (section 3.2): absolute threshold 0.06 N (Jones 2000), K 20 % (of 15-27 %, Nadjarbashi 2015)
 // up to 2.5 N, 7 % above (Pang, Tan and Durlach 1991). These are the defaults of every filter and metric here.
-inline constexpr WeberLaw kFingertipForce{0.06, 2.5, 0.20, 0.07};
+inline constexpr WeberLaw fingertip_force{0.06, 2.5, 0.20, 0.07};
 
 }  // namespace touchstone::perception

@@ -11,12 +11,12 @@ namespace touchstone::perception {
 namespace {
 
 TEST(WeberLaw, ThePapersConstants) {
-  EXPECT_DOUBLE_EQ(kFingertipForce.just_noticeable_difference(1.0), 0.2);
-  EXPECT_DOUBLE_EQ(kFingertipForce.just_noticeable_difference(-1.0), 0.2);
-  EXPECT_DOUBLE_EQ(kFingertipForce.just_noticeable_difference(5.0), 0.35);
-  EXPECT_DOUBLE_EQ(kFingertipForce.just_noticeable_difference(0.0), 0.06);
-  EXPECT_DOUBLE_EQ(kFingertipForce.fraction(2.5), 0.20);
-  EXPECT_DOUBLE_EQ(kFingertipForce.fraction(2.5001), 0.07);
+  EXPECT_DOUBLE_EQ(fingertip_force.just_noticeable_difference(1.0), 0.2);
+  EXPECT_DOUBLE_EQ(fingertip_force.just_noticeable_difference(-1.0), 0.2);
+  EXPECT_DOUBLE_EQ(fingertip_force.just_noticeable_difference(5.0), 0.35);
+  EXPECT_DOUBLE_EQ(fingertip_force.just_noticeable_difference(0.0), 0.06);
+  EXPECT_DOUBLE_EQ(fingertip_force.fraction(2.5), 0.20);
+  EXPECT_DOUBLE_EQ(fingertip_force.fraction(2.5001), 0.07);
 }
 
 TEST(WeberLaw, OneStepIsOneJustNoticeableDifference) {
@@ -38,7 +38,7 @@ TEST(StevensPowerLaw, KnownValuesAndInverse) {
   const StevensPowerLaw square{2.0, 2.0};
   EXPECT_DOUBLE_EQ(square(3.0), 18.0);
   EXPECT_DOUBLE_EQ(square(-3.0), -18.0);
-  const StevensPowerLaw muscle{0.7, kStevensMuscleForce};
+  const StevensPowerLaw muscle{0.7, stevens_muscle_force};
   for (const double force : {1e-3, 0.5, 4.0, 1e3}) EXPECT_NEAR(muscle.inverse(muscle(force)), force, 1e-12 * force);
   // Equal ratios of the stimulus are equal ratios of the feeling: what the law says.
   EXPECT_NEAR(muscle(4.0) / muscle(2.0), muscle(400.0) / muscle(200.0), 1e-12);

@@ -60,9 +60,9 @@ void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& fo
   const char* const which = burst          ? "burst after contact"
                             : found.in_air ? "vibration in free air"
                                            : "vibration in contact";
-  constexpr double kAnotherPitch = 0.1;  // of the fraction that is noticed
+  constexpr double another_pitch = 0.1;  // of the fraction that is noticed
   if (found.pitch && std::abs(std::log(found.pitch->rendered_Hz / found.pitch->real_Hz)) >
-                         kAnotherPitch * std::log1p(thresholds.frequency_fraction)) {
+                         another_pitch * std::log1p(thresholds.frequency_fraction)) {
     evidence.what =
         fmt::format("{} of {:.2g} N near {:.3g} Hz instead of {:.2g} N near {:.3g} Hz", which, found.pitch->rendered_N,
                     found.pitch->rendered_Hz, found.pitch->real_N, found.pitch->real_Hz);

@@ -116,9 +116,9 @@ Recording with_tool(const PlantedProcess& process, std::uint64_t seed, double dr
   const auto& p = recording.motion.p_W_m;
   const std::vector<Vec3> force = recording.f_W_N;
   for (std::size_t i = 20; i + 20 < recording.size(); ++i) {
-    constexpr double kStep_s = 0.02;
-    const Vec3 velocity = (p[i + 10] - p[i - 10]) / kStep_s;
-    const Vec3 acceleration = (p[i + 20] - 2.0 * p[i] + p[i - 20]) / (kStep_s * kStep_s);
+    constexpr double step_s = 0.02;
+    const Vec3 velocity = (p[i + 10] - p[i - 10]) / step_s;
+    const Vec3 acceleration = (p[i + 20] - 2.0 * p[i] + p[i - 20]) / (step_s * step_s);
     recording.f_W_N[i] = force[i] - drag_N_s_per_m * velocity - mass_kg * acceleration;
   }
   return recording;

@@ -16,9 +16,9 @@ using recording::Recording;
 
 namespace {
 
-constexpr double kSmoothing_s = 0.02;
-constexpr double kLongestGap = 20.0;
-constexpr std::size_t kFewestSamples = 50;
+constexpr double smoothing_s = 0.02;
+constexpr double longest_gap = 20.0;
+constexpr std::size_t fewest_samples = 50;
 
 // Mean over 2 m + 1 samples by a running sum, fewer at the ends, and the least-squares slope over the same samples.
 struct Smoothed {
@@ -53,15 +53,15 @@ Smoothed smoothed(const std::vector<double>& x, double rate_Hz, std::size_t m) {
 }
 
 // Beyond these nothing was measured, and powers of forces and places would be no numbers.
-constexpr double kMostForce_N = 1e9;
-constexpr double kFarthest_m = 1e6;
+constexpr double most_force_N = 1e9;
+constexpr double farthest_m = 1e6;
 
 void check_felt(const Recording& r) {
   if (r.f_W_N.size() != r.size()) {
     throw BadData(fmt::format("{}: has no force; a perceptual evaluation compares forces", r.source));
   }
-  if (r.size() < kFewestSamples) {
-    throw BadData(fmt::format("{}: {} samples; at least {} are needed", r.source, r.size(), kFewestSamples));
+  if (r.size() < fewest_samples) {
+    throw BadData(fmt::format("{}: {} samples; at least {} are needed", r.source, r.size(), fewest_samples));
   }
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (!r.f_W_N[i].allFinite() || !r.motion.p_W_m[i].allFinite() || !std::isfinite(r.motion.t_s[i])) {
@@ -70,11 +70,11 @@ void check_felt(const Recording& r) {
     }
     const double force_N = r.f_W_N[i].cwiseAbs().maxCoeff();
     const double place_m = r.motion.p_W_m[i].cwiseAbs().maxCoeff();
-    if (force_N > kMostForce_N || place_m > kFarthest_m) {
+    if (force_N > most_force_N || place_m > farthest_m) {
       throw BadData(fmt::format(
           "{}: sample {} (t = {} s) has a force of {:.3g} N at a place of {:.3g} m; at most {:g} N and {:g} m were "
           "expected: remove or repair the sample, or name the unit in the header",
-          r.source, i + 1, r.motion.t_s[i], force_N, place_m, kMostForce_N, kFarthest_m));
+          r.source, i + 1, r.motion.t_s[i], force_N, place_m, most_force_N, farthest_m));
     }
     if (i > 0 && !(r.motion.t_s[i] > r.motion.t_s[i - 1])) {
       throw BadData(fmt::format("{}: time does not advance from sample {} to {} ({} s to {} s)", r.source, i, i + 1,
@@ -104,7 +104,7 @@ Vec3 pressing_direction(const Recording& recording) {
   const Vec3 mean = press_direction(recording);
   const std::size_t n = recording.size();
   const double rate_Hz = static_cast<double>(n - 1) / (recording.motion.t_s.back() - recording.motion.t_s.front());
-  const auto half = static_cast<std::size_t>(std::max(1.0, std::round(0.5 * kSmoothing_s * rate_Hz)));
+  const auto half = static_cast<std::size_t>(std::max(1.0, std::round(0.5 * smoothing_s * rate_Hz)));
   std::vector<double> velocity[3];
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> column(n);
@@ -113,10 +113,10 @@ Vec3 pressing_direction(const Recording& recording) {
   }
   // Coulomb: f is the load times n - mu u, u the direction of motion. Least squares over the samples in contact: mu
   // from how f goes with u about their means, n from the means; the load is along n, so that some rounds are needed.
-  constexpr int kRounds = 8;
-  constexpr double kToAndFro = 0.1;  // share of the motion that must go another way
+  constexpr int rounds = 8;
+  constexpr double to_and_fro = 0.1;  // share of the motion that must go another way
   Vec3 outward = mean;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     double weight = 0.0;
     double direction_squares = 0.0;
     double along = 0.0;
@@ -125,9 +125,9 @@ Vec3 pressing_direction(const Recording& recording) {
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3& f = recording.f_W_N[i];
       const double load_N = f.dot(outward);
-      if (!(load_N > kFingertipForce.absolute_threshold)) continue;
+      if (!(load_N > fingertip_force.absolute_threshold)) continue;
       const Vec3 v(velocity[0][i], velocity[1][i], velocity[2][i]);
-      const Vec3 u = v / std::hypot(v.norm(), kRest_m_per_s);
+      const Vec3 u = v / std::hypot(v.norm(), rest_m_per_s);
       weight += load_N;
       direction_squares += load_N * u.squaredNorm();
       along += f.dot(u);
@@ -135,7 +135,7 @@ Vec3 pressing_direction(const Recording& recording) {
       force_sum += f;
     }
     const double spread = weight > 0.0 ? direction_squares - direction_sum.squaredNorm() / weight : 0.0;
-    if (!(spread > kToAndFro * weight)) return mean;
+    if (!(spread > to_and_fro * weight)) return mean;
     const double friction = -(along - force_sum.dot(direction_sum) / weight) / spread;
     outward = (force_sum + friction * direction_sum).normalized();
   }
@@ -155,11 +155,11 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   const double typical_s = stats::median(steps_s);
   double worst = 0.0;
   for (std::size_t i = 0; i + 1 < n; ++i) {
-    if (steps_s[i] > kLongestGap * typical_s) {
+    if (steps_s[i] > longest_gap * typical_s) {
       throw BadData(
           fmt::format("{}: a hole of {:.4g} s after t = {:.6g} s; cut the recording there: nothing is made "
                       "up over more than {:.0f} sampling intervals",
-                      felt.name, steps_s[i], t_s[i], kLongestGap));
+                      felt.name, steps_s[i], t_s[i], longest_gap));
     }
     worst = std::max(worst, std::abs(steps_s[i] - typical_s) / typical_s);
   }
@@ -191,7 +191,7 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
     for (auto& column : place) column = at_even_times(t_s, column, felt.rate_Hz, n);
     for (auto& column : felt.force_N) column = at_even_times(t_s, column, felt.rate_Hz, n);
   }
-  const auto half = static_cast<std::size_t>(std::max(1.0, std::round(0.5 * kSmoothing_s * felt.rate_Hz)));
+  const auto half = static_cast<std::size_t>(std::max(1.0, std::round(0.5 * smoothing_s * felt.rate_Hz)));
   felt.smoothed_samples = 2 * half + 1;
   felt.position_noise_m = white_noise_of(place[0]);
   auto depth = smoothed(place[0], felt.rate_Hz, half);
@@ -208,7 +208,7 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
     const double x = felt.slide_x[i];
     const double y = felt.slide_y[i];
     felt.slide_m_per_s.push_back(std::hypot(x, y));
-    const double speed = std::hypot(felt.slide_m_per_s.back(), kRest_m_per_s);
+    const double speed = std::hypot(felt.slide_m_per_s.back(), rest_m_per_s);
     felt.slide_x[i] = x / speed;
     felt.slide_y[i] = y / speed;
   }

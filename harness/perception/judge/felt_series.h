@@ -9,7 +9,7 @@
 namespace touchstone::perception {
 
 // Added to the speed of sliding as a square, so that its direction goes to nought at rest.
-inline constexpr double kRest_m_per_s = 0.001;
+inline constexpr double rest_m_per_s = 0.001;
 
 // Axis 0 is the outward direction of pressing, 1 and 2 lie across it. SI units; force ON the probe BY the object.
 struct FeltSeries {

@@ -15,12 +15,12 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kWindow_s = 0.05;
-constexpr double kPull_s = 0.02;
-constexpr double kRelease_s = 0.1;
-constexpr double kMargin_s = 0.024;  // longer than the smoothing of positions
-constexpr std::size_t kFewestWindows = 4;
-constexpr std::size_t kFewestReleases = 2;
+constexpr double window_s = 0.05;
+constexpr double pull_s = 0.02;
+constexpr double release_s = 0.1;
+constexpr double margin_s = 0.024;  // longer than the smoothing of positions
+constexpr std::size_t fewest_windows = 4;
+constexpr std::size_t fewest_releases = 2;
 
 std::size_t samples_of(double duration_s, const FeltSeries& felt) {
   return static_cast<std::size_t>(std::max(1.0, std::round(duration_s * felt.rate_Hz)));
@@ -86,7 +86,7 @@ struct ToolSums {
 
 // Velocity of each sample along the three axes.
 std::array<double, 3> velocity_at(const FeltSeries& felt, std::size_t i) {
-  const double speed = std::hypot(felt.slide_m_per_s[i], kRest_m_per_s);
+  const double speed = std::hypot(felt.slide_m_per_s[i], rest_m_per_s);
   return {-felt.rate_of_depth_m_per_s[i], speed * felt.slide_x[i], speed * felt.slide_y[i]};
 }
 
@@ -105,11 +105,11 @@ std::array<double, 3> acceleration_at(const FeltSeries& felt, std::size_t i) {
 }  // namespace
 
 ToolInAir take_out_tool(FeltSeries& felt, const FirstContact& contact) {
-  constexpr double kExplains = 0.5;
-  constexpr double kFewestSeconds = 0.2;
+  constexpr double explains = 0.5;
+  constexpr double fewest_seconds = 0.2;
   ToolInAir tool;
   const double far_m = contact.depth_m - depth_grid(felt, contact).spacing_m;
-  std::vector<ToolSums> blocks(kBlocks);
+  std::vector<ToolSums> blocks(jackknife_blocks);
   double samples = 0.0;
   double speeds = 0.0;
   double accelerations = 0.0;
@@ -119,12 +119,12 @@ ToolInAir take_out_tool(FeltSeries& felt, const FirstContact& contact) {
     const auto acceleration = acceleration_at(felt, i);
     samples += 1.0;
     for (std::size_t a = 0; a < 3; ++a) {
-      blocks[i * kBlocks / felt.size()].add(a, velocity[a], acceleration[a], felt.force_N[a][i]);
+      blocks[i * jackknife_blocks / felt.size()].add(a, velocity[a], acceleration[a], felt.force_N[a][i]);
       speeds += velocity[a] * velocity[a];
       accelerations += acceleration[a] * acceleration[a];
     }
   }
-  if (!contact.begins_free || samples < kFewestSeconds * felt.rate_Hz) return tool;
+  if (!contact.begins_free || samples < fewest_seconds * felt.rate_Hz) return tool;
   ToolSums total;
   for (const ToolSums& block : blocks) total.add(block, 1.0);
   const auto found = total.solved();
@@ -133,7 +133,7 @@ ToolInAir take_out_tool(FeltSeries& felt, const FirstContact& contact) {
   tool.speed_m_per_s = std::sqrt(speeds / samples);
   tool.acceleration_m_per_s2 = std::sqrt(accelerations / samples);
   // Jackknife: (n - 1) / n of the squares about the whole.
-  constexpr double n = static_cast<double>(kBlocks);
+  constexpr double n = static_cast<double>(jackknife_blocks);
   for (const ToolSums& block : blocks) {
     ToolSums rest = total;
     rest.add(block, -1.0);
@@ -151,8 +151,8 @@ ToolInAir take_out_tool(FeltSeries& felt, const FirstContact& contact) {
   const double explained_N2 = found.dot(total.right) - steady_N2;
   const double drag_N = tool.drag_N_s_per_m * tool.speed_m_per_s;
   const double inertia_N = tool.mass_kg * tool.acceleration_m_per_s2;
-  const bool felt_at_all = std::hypot(drag_N, inertia_N) > 0.1 * kFingertipForce.absolute_threshold;
-  tool.seen = felt_at_all && explained_N2 > kExplains * (total.squares_N2 - steady_N2 - noise_N2);
+  const bool felt_at_all = std::hypot(drag_N, inertia_N) > 0.1 * fingertip_force.absolute_threshold;
+  tool.seen = felt_at_all && explained_N2 > explains * (total.squares_N2 - steady_N2 - noise_N2);
   if (!tool.seen) return tool;
   for (std::size_t i = 0; i < felt.size(); ++i) {
     const auto velocity = velocity_at(felt, i);
@@ -165,10 +165,10 @@ ToolInAir take_out_tool(FeltSeries& felt, const FirstContact& contact) {
 
 FreeAir free_air(const FeltSeries& felt, const Response& response) {
   const std::size_t n = felt.size();
-  const std::size_t release = samples_of(kRelease_s, felt);
-  const std::size_t margin = samples_of(kMargin_s, felt);
-  const std::size_t pull = samples_of(kPull_s, felt);
-  const std::size_t window = std::max<std::size_t>(4, samples_of(kWindow_s, felt));
+  const std::size_t release = samples_of(release_s, felt);
+  const std::size_t margin = samples_of(margin_s, felt);
+  const std::size_t pull = samples_of(pull_s, felt);
+  const std::size_t window = std::max<std::size_t>(4, samples_of(window_s, felt));
   const auto touches = [&](std::size_t i) { return felt.depth_m[i] >= response.contact_m; };
   // Where contact begins is known to a part of the depth: close to it is neither.
   const auto far = [&](std::size_t i) { return felt.depth_m[i] < response.contact_m - response.grid.spacing_m; };
@@ -238,15 +238,15 @@ AirDifference air_difference(const FreeAir& real, const FreeAir& rendered, bool 
         std::hypot(error_of(real_N, real_error_N), error_of(rendered_N, rendered_error_N), error_of(both_N, both_N));
     return result;
   };
-  if (std::min(real.windows, rendered.windows) >= kFewestWindows)
+  if (std::min(real.windows, rendered.windows) >= fewest_windows)
     keep(compared(AirCue::steady, real.force_N, real.force_spread_N, rendered.force_N, rendered.force_spread_N));
-  if (std::min(real.releases, rendered.releases) >= kFewestReleases) {
+  if (std::min(real.releases, rendered.releases) >= fewest_releases) {
     auto pull = compared(AirCue::release, real.pull_N, real.pull_error_N, rendered.pull_N, rendered.pull_error_N);
     if (!same_motion) {
-      constexpr double kBound = 0.5;  // a bound is two standard errors
+      constexpr double bound = 0.5;  // a bound is two standard errors
       const GrowthBounds growth = growth_bounds(real.leaving_m_per_s / rendered.leaving_m_per_s, 0.0);
       const double bound_N = rendered.pull_N * (real.pull_N > rendered.pull_N ? growth.most : growth.least);
-      pull.standard_error = std::hypot(pull.standard_error, kBound * std::abs(steps(bound_N) - steps(rendered.pull_N)));
+      pull.standard_error = std::hypot(pull.standard_error, bound * std::abs(steps(bound_N) - steps(rendered.pull_N)));
     }
     keep(pull);
   }

@@ -16,7 +16,7 @@ struct ToolInAir {
   bool seen = false;  // drag and mass explain most of how the force in free air varies
   double drag_N_s_per_m = 0.0;
   double mass_kg = 0.0;
-  // Standard errors by leaving out one of kBlocks stretches after the other.
+  // Standard errors by leaving out one of jackknife_blocks stretches after the other.
   double drag_error = 0.0;
   double mass_error = 0.0;
   // Root mean squares in free air.

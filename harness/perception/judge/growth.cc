@@ -7,10 +7,10 @@
 namespace touchstone::perception {
 
 GrowthBounds growth_bounds(double speed, double power) {
-  constexpr double kSteeper = 8.0;
+  constexpr double steeper = 8.0;
   const double distance = std::min(1.0, std::abs(std::log(speed)) / std::numbers::ln2);
   const double slow = std::pow(speed, power * (1.0 - distance));
-  const double steep = std::pow(speed, power + kSteeper * distance);
+  const double steep = std::pow(speed, power + steeper * distance);
   return {std::pow(speed, power), std::min(slow, steep), std::max(slow, steep)};
 }
 

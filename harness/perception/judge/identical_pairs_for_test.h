@@ -34,7 +34,7 @@ inline recording::Recording planted(const PlantedProcess& process, std::uint64_t
   Random random(seed);
   recording::Recording recording;
   recording.source = "planted";
-  constexpr double kTwoPi = 2.0 * std::numbers::pi;
+  constexpr double two_pi = 2.0 * std::numbers::pi;
   double t = 0.0;
   double ring_since_s = 1e9;
   double ring_N = 0.0;
@@ -45,24 +45,24 @@ inline recording::Recording planted(const PlantedProcess& process, std::uint64_t
     const double duration_s = random.uniform(0.7, 1.1) / process.pace * (process.slides ? 3.0 : 1.0);
     const double deepest_m = process.load * random.uniform(0.8, 1.1) * 2.0 / process.k_N_per_m;
     const double strokes = process.slides ? std::floor(random.uniform(2.0, 4.0)) : 0.0;
-    const double phase = random.uniform(0.0, kTwoPi);
+    const double phase = random.uniform(0.0, two_pi);
     for (double s = 0.0; s < duration_s; s += dt, t += dt) {
       const double share = s / duration_s;
       // Down within a third, held as it slides, and up; a third of the time in the air.
       const double way = process.slides ? std::clamp(1.6 * std::sin(std::numbers::pi * share), 0.0, 1.0)
-                                        : 0.5 - 0.5 * std::cos(kTwoPi * share);
+                                        : 0.5 - 0.5 * std::cos(two_pi * share);
       const double depth_m = (deepest_m + 0.002) * way - 0.002;
       const double speed_m_per_s = before_m > -1.0 ? (depth_m - before_m) / dt : 0.0;
-      const double angle = kTwoPi * strokes * share + phase;
-      const double slide_m_per_s = 0.015 * kTwoPi * strokes / duration_s * std::cos(angle);
+      const double angle = two_pi * strokes * share + phase;
+      const double slide_m_per_s = 0.015 * two_pi * strokes / duration_s * std::cos(angle);
       if (before_m <= 0.0 && depth_m > 0.0) ring_since_s = 0.0, ring_N = process.ring_N_s_per_m * speed_m_per_s;
       before_m = depth_m;
       double load_N = 0.0;
       if (depth_m > 0.0) {
         load_N = process.k_N_per_m * 0.005 * std::pow(depth_m / 0.005, process.power) +
                  process.damping_N_s_per_m * speed_m_per_s * std::min(1.0, depth_m / 0.0005) +
-                 ring_N * std::exp(-ring_since_s / 0.03) * std::sin(kTwoPi * 150.0 * ring_since_s) +
-                 process.hum_N * std::sin(kTwoPi * 120.0 * t);
+                 ring_N * std::exp(-ring_since_s / 0.03) * std::sin(two_pi * 150.0 * ring_since_s) +
+                 process.hum_N * std::sin(two_pi * 120.0 * t);
         ring_since_s += dt;
       }
       const double drag_N =

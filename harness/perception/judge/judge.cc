@@ -17,9 +17,9 @@
 namespace touchstone::perception {
 
 std::string_view name_of(Channel channel) {
-  constexpr std::string_view kNames[kChannels] = {"force",     "stiffness", "rate",     "direction", "friction",
-                                                  "vibration", "transient", "position", "air"};
-  return kNames[static_cast<std::size_t>(channel)];
+  constexpr std::string_view names[channel_count] = {"force",     "stiffness", "rate",     "direction", "friction",
+                                                     "vibration", "transient", "position", "air"};
+  return names[static_cast<std::size_t>(channel)];
 }
 
 std::string_view name_of(Verdict verdict) {
@@ -41,17 +41,17 @@ std::string told_share(const Judgement& judgement) {
 
 namespace {
 
-constexpr double kSameMotion_m = 1e-12;
+constexpr double same_motion_m = 1e-12;
 // What straight lines between knots, smoothed positions and bands leave without any noise: standard error as a share
 // and in JND, as `touchstone experiment perception` shows it of cases whose answer is exact.
-constexpr double kMethodShare = 0.03;
-constexpr double kMethod_jnd = 0.02;
-constexpr double kWorthNaming_jnd = 0.5;  // less is guessed in two of three trials
+constexpr double method_share = 0.03;
+constexpr double method_jnd = 0.02;
+constexpr double worth_naming_jnd = 0.5;  // less is guessed in two of three trials
 
 bool moves_alike(const JudgedProcess& a, const JudgedProcess& b) {
   if (a.felt.size() != b.felt.size() || a.felt.rate_Hz != b.felt.rate_Hz) return false;
   for (std::size_t i = 0; i < a.felt.size(); ++i) {
-    if (!(std::abs(a.prompt_depth_m[i] - b.prompt_depth_m[i]) <= kSameMotion_m)) return false;
+    if (!(std::abs(a.prompt_depth_m[i] - b.prompt_depth_m[i]) <= same_motion_m)) return false;
   }
   return a.prompt_slide_x == b.prompt_slide_x;
 }
@@ -106,10 +106,10 @@ void name_place(ChannelEvidence& evidence, const PlaceMap& map, double other_err
   if (place == nullptr || !evidence.known) return;
   const double reach = map.reach(*place);
   // Of two that differ evenly, the curve over depth says it best.
-  const double curve_jnd = evidence.jnd - (map.uneven ? kNormal95 * evidence.standard_error : 0.0);
+  const double curve_jnd = evidence.jnd - (map.uneven ? normal95 * evidence.standard_error : 0.0);
   if (!(place->jnd - reach > curve_jnd)) return;
   evidence.jnd = place->jnd;
-  evidence.standard_error = std::hypot(reach / kNormal95, other_error);
+  evidence.standard_error = std::hypot(reach / normal95, other_error);
   evidence.what = describe_place(map, *place);
   evidence.remedy = evidence.what;
   evidence.depth_m = place->depth_m;
@@ -127,10 +127,10 @@ void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProc
   const auto depths = common_depths_m(r, c);
   const auto slow = slow_evidence(r, r.curves, c, c.curves, judgement.same_motion, depths, options.thresholds);
   const auto errors = slow_errors(r, c, judgement.same_motion, depths, options.thresholds);
-  constexpr Channel kOrder[kSlowChannels] = {Channel::force, Channel::stiffness, Channel::rate, Channel::direction,
-                                             Channel::friction};
-  for (std::size_t e = 0; e < kSlowChannels; ++e) {
-    ChannelEvidence& own = of(judgement, kOrder[e]);
+  constexpr Channel order[slow_channels] = {Channel::force, Channel::stiffness, Channel::rate, Channel::direction,
+                                            Channel::friction};
+  for (std::size_t e = 0; e < slow_channels; ++e) {
+    ChannelEvidence& own = of(judgement, order[e]);
     own.known = slow[e].known;
     own.jnd = slow[e].jnd;
     own.standard_error = std::hypot(errors[e], slow[e].by_hand);
@@ -225,14 +225,14 @@ void take_noise_off(ChannelEvidence& own, const NoiseFloor& floor) {
     own.standard_error = std::max(own.standard_error, repeats_jnd);
     own.jnd = std::sqrt(std::max(0.0, own.jnd * own.jnd - own.standard_error * own.standard_error));
   }
-  own.standard_error = std::hypot(own.standard_error, kMethodShare * own.jnd + kMethod_jnd);
+  own.standard_error = std::hypot(own.standard_error, method_share * own.jnd + method_jnd);
   own.probability = forced_choice_probability(own.jnd);
   if (own.jnd <= 1.0) own.remedy.clear();
 }
 
 // Few repeats, and few blocks, leave the spread itself uncertain.
 double quantile_of(const NoiseFloor& floor) {
-  return stats::student_t_975(static_cast<double>(floor.repeats + kBlocks - 1));
+  return stats::student_t_975(static_cast<double>(floor.repeats + jackknife_blocks - 1));
 }
 
 // d' of everything and its interval, on the scale of the square, where the parts add up: how far the square of each
@@ -250,7 +250,7 @@ void combine(Judgement& judgement, const NoiseFloor& floor, const std::vector<Ch
   double strongest = 0.0;
   for (const auto& own : judgement.channels) {
     if (!own.known || std::find(without.begin(), without.end(), own.channel) != without.end()) continue;
-    if (own.jnd > std::max(strongest, kWorthNaming_jnd) && own.measured_jnd > quantile * own.standard_error) {
+    if (own.jnd > std::max(strongest, worth_naming_jnd) && own.measured_jnd > quantile * own.standard_error) {
       strongest = own.jnd;
       judgement.gives_away = own.channel;
     }
@@ -283,7 +283,7 @@ void combine(Judgement& judgement, const NoiseFloor& floor, const std::vector<Ch
 
 // Where these recordings cannot tell: the channels that may differ by more than one JND, each with what would tell.
 void tell_what_is_open(Judgement& judgement, const NoiseFloor& floor, const JudgeOptions& options) {
-  constexpr double kDecides_jnd = 0.7;  // an interval that leaves room for the other channels
+  constexpr double decides_jnd = 0.7;  // an interval that leaves room for the other channels
   if (judgement.verdict != Verdict::cannot_tell) return;
   std::vector<Channel> without = options.without;
   std::string text;
@@ -292,8 +292,8 @@ void tell_what_is_open(Judgement& judgement, const NoiseFloor& floor, const Judg
     const double reach = quantile_of(floor) * own.standard_error;
     if (own.measured_jnd + reach < 1.0) continue;
     std::string would_tell = own.would_tell;
-    if (would_tell.empty() && reach > kDecides_jnd) {
-      const double longer = std::pow(reach / kDecides_jnd, 2);
+    if (would_tell.empty() && reach > decides_jnd) {
+      const double longer = std::pow(reach / decides_jnd, 2);
       would_tell =
           fmt::format("about {:.0f} times as much recording of both would tell", std::max(2.0, std::round(longer)));
     }
@@ -311,7 +311,7 @@ void tell_what_is_open(Judgement& judgement, const NoiseFloor& floor, const Judg
 // All but the combination: what noise_floor() needs.
 Judgement compare(const JudgedProcess& real, const JudgedProcess& rendered, const JudgeOptions& options) {
   Judgement judgement;
-  for (std::size_t c = 0; c < kChannels; ++c) {
+  for (std::size_t c = 0; c < channel_count; ++c) {
     judgement.channels.emplace_back();
     judgement.channels.back().channel = static_cast<Channel>(c);
   }
@@ -348,18 +348,19 @@ NoiseFloor noise_floor(const JudgedProcess& real, const std::vector<JudgedProces
   NoiseFloor floor;
   floor.repeats = repeats.size();
   if (repeats.empty()) return floor;
-  floor.jnd.assign(kChannels, 0.0);
-  std::vector<double> seen(kChannels, 0.0);
+  floor.jnd.assign(channel_count, 0.0);
+  std::vector<double> seen(channel_count, 0.0);
   for (const auto& repeat : repeats) {
     check_processes(real, repeat);
     const auto compared = compare(real, repeat, options);
-    for (std::size_t c = 0; c < kChannels; ++c) {
+    for (std::size_t c = 0; c < channel_count; ++c) {
       if (!compared.channels[c].known) continue;
       floor.jnd[c] += compared.channels[c].measured_jnd * compared.channels[c].measured_jnd;
       seen[c] += 1.0;
     }
   }
-  for (std::size_t c = 0; c < kChannels; ++c) floor.jnd[c] = seen[c] > 0.0 ? std::sqrt(floor.jnd[c] / seen[c]) : 0.0;
+  for (std::size_t c = 0; c < channel_count; ++c)
+    floor.jnd[c] = seen[c] > 0.0 ? std::sqrt(floor.jnd[c] / seen[c]) : 0.0;
   return floor;
 }
 
@@ -383,11 +384,11 @@ Judgement judge(const JudgedProcess& real, const JudgedProcess& rendered, const 
   if (nyquist < 1000.0) {
     const auto& centres = band_centres_Hz();
     const auto beyond = std::find_if(centres.begin(), centres.end(),
-                                     [nyquist](double centre) { return centre * kHalfBandRatio > nyquist; });
+                                     [nyquist](double centre) { return centre * half_band_ratio > nyquist; });
     judgement.remarks.push_back(
         fmt::format("vibration is judged up to {:.4g} Hz, in whole third octaves below half the rate of the slower "
                     "recording; it is felt up to 1000 Hz",
-                    (beyond == centres.end() ? 1000.0 : *beyond / kHalfBandRatio)));
+                    (beyond == centres.end() ? 1000.0 : *beyond / half_band_ratio)));
   }
   if (real.fast.air.segments == 0 && options.declared.force_N == 0.0) {
     judgement.remarks.emplace_back(

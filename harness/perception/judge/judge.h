@@ -28,7 +28,7 @@
 namespace touchstone::perception {
 
 enum class Channel : unsigned char { force, stiffness, rate, direction, friction, vibration, transient, position, air };
-inline constexpr std::size_t kChannels = 9;
+inline constexpr std::size_t channel_count = 9;
 std::string_view name_of(Channel channel);
 
 // What the makers of the instrument declare; 0: not declared. Used where no repeats say more.

@@ -22,7 +22,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double two_pi = 2.0 * std::numbers::pi;
 
 // Presses from free air on a spring, with a hand of its own for every seed.
 struct JudgedPress {
@@ -48,7 +48,7 @@ Recording record_presses(const JudgedPress& press, std::uint64_t seed) {
   const double phase = random.uniform(0.0, 0.2);
   const auto depth = [&](double t) {
     return -0.0012 +
-           (press.stroke_m + 0.0012) * 0.5 * (1.0 - std::cos(kTwoPi * press.beat_Hz * std::max(0.0, t - phase)));
+           (press.stroke_m + 0.0012) * 0.5 * (1.0 - std::cos(two_pi * press.beat_Hz * std::max(0.0, t - phase)));
   };
   const Vec3 across = press.outward.unitOrthogonal();
   const auto count = static_cast<int>(1000 * press.presses / press.beat_Hz);
@@ -60,7 +60,7 @@ Recording record_presses(const JudgedPress& press, std::uint64_t seed) {
     Vec3 f = Vec3::Zero();
     if (felt > 0.0) {
       const double part = std::min(1.0, 5.0 * felt / 0.008);
-      f = (press.k * felt + press.damping_N_s_per_m * speed + press.buzz_N * std::sin(kTwoPi * press.buzz_Hz * t)) *
+      f = (press.k * felt + press.damping_N_s_per_m * speed + press.buzz_N * std::sin(two_pi * press.buzz_Hz * t)) *
               press.outward +
           part * part * (3.0 - 2.0 * part) * press.sideways_N * across;
     }
@@ -277,14 +277,14 @@ TEST(Judge, LeavesChannelsOutOfTheSumButShowsThem) {
 }
 
 TEST(Judge, SimulatedObserversGiveTheStatedShareOfRightAnswers) {
-  constexpr std::size_t kTrials = 40000;
+  constexpr std::size_t trials = 40000;
   // Three standard errors of a share.
-  const double tolerance = 3.0 * 0.5 / std::sqrt(static_cast<double>(kTrials));
+  const double tolerance = 3.0 * 0.5 / std::sqrt(static_cast<double>(trials));
   std::uint64_t seed = 1;
   for (const auto& evidence : {std::vector<double>{}, {0.0}, {1.0}, {0.7, 0.7}, {0.3, 0.2, 1.5}, {4.0}}) {
     double squares = 0.0;
     for (const double jnd : evidence) squares += jnd * jnd;
-    EXPECT_NEAR(simulated_forced_choice(evidence, kTrials, seed++), forced_choice_probability(std::sqrt(squares)),
+    EXPECT_NEAR(simulated_forced_choice(evidence, trials, seed++), forced_choice_probability(std::sqrt(squares)),
                 tolerance);
   }
 }
@@ -303,7 +303,7 @@ TEST(JudgedConditions, NumbersOfAPairDoNotDependOnTheOthersToTheBit) {
   const auto& b = among.conditions[2];
   EXPECT_EQ(a.judgement.d_prime, b.judgement.d_prime);
   EXPECT_EQ(a.judgement.d_prime_high95, b.judgement.d_prime_high95);
-  for (std::size_t c = 0; c < kChannels; ++c) EXPECT_EQ(a.judgement.channels[c].jnd, b.judgement.channels[c].jnd);
+  for (std::size_t c = 0; c < channel_count; ++c) EXPECT_EQ(a.judgement.channels[c].jnd, b.judgement.channels[c].jnd);
   ASSERT_EQ(a.others.size(), b.others.size());
   for (std::size_t m = 0; m < a.others.size(); ++m) EXPECT_EQ(a.others[m].value, b.others[m].value) << a.others[m].name;
   EXPECT_EQ(among.conditions[0].rank, 3u);
@@ -336,7 +336,7 @@ TEST(JudgedConditions, NoOtherConditionChangesABitOfAnyAnswer) {
       EXPECT_EQ(a.d_prime_low95, b.d_prime_low95);
       EXPECT_EQ(a.d_prime_high95, b.d_prime_high95);
       EXPECT_EQ(a.noticed_share, b.noticed_share);
-      for (std::size_t e = 0; e < kChannels; ++e) {
+      for (std::size_t e = 0; e < channel_count; ++e) {
         EXPECT_EQ(a.channels[e].jnd, b.channels[e].jnd);
         EXPECT_EQ(a.channels[e].standard_error, b.channels[e].standard_error);
       }

@@ -56,7 +56,7 @@ std::optional<RateHardnessEstimate> rate_hardness_of(const FeltSeries& felt, con
 }
 
 // Below it, the response over one depth says too little of the object: on the springs of the bench it is above 0.99.
-constexpr double kDepthExplains = 0.8;
+constexpr double depth_explains = 0.8;
 
 // Share of the variation of the force along the direction of pressing that the response explains.
 double share_by_depth(const JudgedProcess& process) {
@@ -112,7 +112,7 @@ JudgedConditions judge_conditions(const Recording& real, const std::vector<Recor
   result.floor = noise_floor(reference, repeated, options);
   result.real_rate_hardness = rate_hardness_of(reference.felt, options.thresholds.force);
   result.conditions.resize(conditions.size());
-  const bool beside = conditions.size() <= kKeepSeriesUpTo;
+  const bool beside = conditions.size() <= keep_series_up_to;
   JudgeOptions own_options = options;
   own_options.keep_moments = beside;
   std::size_t done = 0;
@@ -125,7 +125,7 @@ JudgedConditions judge_conditions(const Recording& real, const std::vector<Recor
     own.judgement = judge(reference, process, result.floor, own_options);
     if (!own.judgement.open.empty())
       own.judgement.remarks.push_back(fmt::format("{}: {}", own.name, own.judgement.open));
-    if (explained < kDepthExplains) {
+    if (explained < depth_explains) {
       own.judgement.remarks.push_back(
           fmt::format("depth explains {:.0f} % of how the real force varies: the object is curved or sloping, or "
                       "differs from place to "

@@ -48,7 +48,7 @@ struct JudgedConditions {
   std::vector<JudgedCondition> conditions;  // in the order given
 };
 
-// The metrics beside are computed for up to kKeepSeriesUpTo conditions. Throws BadData, naming the condition, for
+// The metrics beside are computed for up to keep_series_up_to conditions. Throws BadData, naming the condition, for
 // recordings that cannot be judged, no condition, or two of one name.
 JudgedConditions judge_conditions(const recording::Recording& real, const std::vector<RecordingSource>& repeats,
                                   const std::vector<RecordingSource>& conditions, const Vec3& outward,

@@ -15,18 +15,18 @@ namespace {
 // it. Samples beyond the first cell of either are compared: a delay displaces where contact seems to begin.
 bool explains_as_much(const Response& lagged, const FeltSeries& lagged_felt, const Response& before,
                       const FeltSeries& before_felt) {
-  constexpr double kTwoErrors = 2.0;
+  constexpr double two_errors = 2.0;
   const std::size_t half = before_felt.smoothed_samples / 2;
   const double smoothed_s = static_cast<double>(before_felt.smoothed_samples) / before_felt.rate_Hz;
   const auto& force_over_depth = lagged.curves.normal_N;
-  std::array<double, kBlocks> more_N2{};
+  std::array<double, jackknife_blocks> more_N2{};
   double by_smoothing_N2 = 0.0;
   for (std::size_t i = half; i + half < before_felt.size(); ++i) {
     const double depth_m = lagged_felt.depth_m[i] - lagged.contact_m;
     const double cell_m = before.grid.spacing_m;
     if (!(std::min(depth_m, before_felt.depth_m[i] - before.contact_m) > cell_m)) continue;
     const double force_N = before_felt.force_N[0][i];
-    more_N2[i * kBlocks / before_felt.size()] +=
+    more_N2[i * jackknife_blocks / before_felt.size()] +=
         std::pow(force_N - expected_force_N(lagged, lagged_felt, lagged.contact_m, i)[0], 2) -
         std::pow(force_N - expected_force_N(before, before_felt, before.contact_m, i)[0], 2);
     const double change_m_per_s =
@@ -39,17 +39,17 @@ bool explains_as_much(const Response& lagged, const FeltSeries& lagged_felt, con
   double sum_N2 = 0.0;
   double squares = 0.0;
   for (const double more : more_N2) sum_N2 += more;
-  constexpr double n = static_cast<double>(kBlocks);
+  constexpr double n = static_cast<double>(jackknife_blocks);
   for (const double more : more_N2) squares += std::pow(more - sum_N2 / n, 2);
   const double error_N2 = std::sqrt(n / (n - 1.0) * squares);
-  return sum_N2 <= by_smoothing_N2 + kTwoErrors * error_N2;
+  return sum_N2 <= by_smoothing_N2 + two_errors * error_N2;
 }
 
 }  // namespace
 
 JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, const JudgedProcess* reference) {
-  constexpr double kLongestLag_s = 0.25;
-  constexpr double kSettled_s = 1e-5;
+  constexpr double longest_lag_s = 0.25;
+  constexpr double settled_s = 1e-5;
   JudgedProcess process;
   process.shape =
       reference != nullptr ? reference->shape : surface_shape(felt, 2.0 * thresholds.force.absolute_threshold);
@@ -92,16 +92,16 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
     process.felt = std::move(lagged);
     return true;
   };
-  constexpr int kSteps = 6;
+  constexpr int steps = 6;
   bool better = true;
-  for (int step = 0; step < kSteps && better; ++step) {
+  for (int step = 0; step < steps && better; ++step) {
     const double before_s = process.response->lag_s;
     double more_s = apparent_lag_s(*process.response, process.response->curves);
     better = false;
-    for (int half = 0; half < kSteps && !better; ++half, more_s *= 0.5) {
+    for (int half = 0; half < steps && !better; ++half, more_s *= 0.5) {
       const double lag_s = before_s + more_s;
-      if (!(std::abs(more_s) > kSettled_s)) break;
-      if (lag_s > 0.0 && lag_s <= kLongestLag_s) better = take_out(lag_s);
+      if (!(std::abs(more_s) > settled_s)) break;
+      if (lag_s > 0.0 && lag_s <= longest_lag_s) better = take_out(lag_s);
     }
   }
   measure_left(*process.response, process.felt);

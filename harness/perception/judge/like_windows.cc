@@ -11,12 +11,12 @@ namespace {
 
 // A cell of speeds and loads of sliding; one for all that rests.
 std::pair<long, long> sliding_cell(const BandPower& power, std::size_t window) {
-  constexpr double kSliding_m_per_s = 0.005;
+  constexpr double sliding_m_per_s = 0.005;
   const double speed = power.slide_m_per_s[window];
-  if (!(speed > kSliding_m_per_s)) return {0, 0};
+  if (!(speed > sliding_m_per_s)) return {0, 0};
   const double load_N = std::max(1e-3, power.load_N[window]);
   // Speeds above 5 mm/s have a cell of their own beside that of rest.
-  return {1 + std::lround(3.0 * std::log2(speed / kSliding_m_per_s)), std::lround(2.0 * std::log2(load_N))};
+  return {1 + std::lround(3.0 * std::log2(speed / sliding_m_per_s)), std::lround(2.0 * std::log2(load_N))};
 }
 
 // The windows that have a weight, each as often as that says.
@@ -59,7 +59,7 @@ BandPower weighted(const BandPower& power, const std::vector<double>& weights) {
 }  // namespace
 
 std::optional<LikeWindows> like_windows(const BandPower& real, const BandPower& rendered) {
-  constexpr std::size_t kFewest = 4;
+  constexpr std::size_t fewest = 4;
   std::map<std::pair<long, long>, std::array<double, 2>> cells;
   for (std::size_t w = 0; w < real.segments; ++w) cells[sliding_cell(real, w)][0] += 1.0;
   for (std::size_t w = 0; w < rendered.segments; ++w) cells[sliding_cell(rendered, w)][1] += 1.0;
@@ -75,7 +75,7 @@ std::optional<LikeWindows> like_windows(const BandPower& real, const BandPower& 
   if (cells.size() == 1) return LikeWindows{real, rendered};
   like.real = weighted(real, weights(real, true));
   like.rendered = weighted(rendered, weights(rendered, false));
-  if (std::min(like.real.segments, like.rendered.segments) < kFewest) return std::nullopt;
+  if (std::min(like.real.segments, like.rendered.segments) < fewest) return std::nullopt;
   return like;
 }
 

@@ -13,7 +13,7 @@ std::vector<FeltMoment> felt_moments(const JudgedProcess& real, const JudgedProc
                                      const Thresholds& thresholds) {
   std::vector<FeltMoment> moments;
   const FeltSeries& felt = rendered.felt;
-  const auto length = static_cast<std::size_t>(std::max(4.0, std::round(kMoment_s * felt.rate_Hz)));
+  const auto length = static_cast<std::size_t>(std::max(4.0, std::round(moment_s * felt.rate_Hz)));
   const double deepest = real.response->deepest_m;
   for (std::size_t first = 0; first + length <= felt.size(); first += length) {
     Vec3 expected = Vec3::Zero();

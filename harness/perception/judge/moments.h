@@ -8,7 +8,7 @@
 
 namespace touchstone::perception {
 
-inline constexpr double kMoment_s = 0.25;
+inline constexpr double moment_s = 0.25;
 
 // With `same_motion` against the real force of that moment, else against the real process's response to the motion.
 std::vector<FeltMoment> felt_moments(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,

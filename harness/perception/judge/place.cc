@@ -17,9 +17,9 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kCells = 10.0;      // of the longer side of what was explored
-constexpr double kStretch_s = 0.02;  // the smoothing of positions
-constexpr double kFewestStretches = 3.0;
+constexpr double cells_per_side = 10.0;  // of the longer side of what was explored
+constexpr double stretch_s = 0.02;       // the smoothing of positions
+constexpr double fewest_stretches = 3.0;
 
 // A run of samples of one process in one cell: the force f against an expected one e, summed. Of friction both lie
 // across the direction of pressing.
@@ -70,7 +70,7 @@ struct Seen {
       sum.force += own.force;
       sum.expected += own.expected;
     }
-    const bool one_way = towards.norm() >= kOneWay * samples;
+    const bool one_way = towards.norm() >= one_way_share * samples;
     product = squares = 0.0;
     for (Stretch& own : stretches) {
       const Vec3 mean_force = sum.force / samples;
@@ -89,7 +89,7 @@ using Key = std::array<std::int64_t, 3>;
 // Calls `stretch(key, first, end)` for runs of samples of one cell that are no longer than a stretch.
 template <class KeyOf, class Stretch>
 void by_stretches(std::size_t samples, double rate_Hz, KeyOf key_of, Stretch stretch) {
-  const auto longest = static_cast<std::size_t>(std::max(1.0, std::round(kStretch_s * rate_Hz)));
+  const auto longest = static_cast<std::size_t>(std::max(1.0, std::round(stretch_s * rate_Hz)));
   std::size_t first = 0;
   while (first < samples) {
     const std::optional<Key> key = key_of(first);
@@ -105,7 +105,7 @@ void by_stretches(std::size_t samples, double rate_Hz, KeyOf key_of, Stretch str
 double PlaceMap::reach(const PlaceDifference& cell) const {
   const auto looks = std::max<double>(
       1.0, static_cast<double>(std::count_if(cells.begin(), cells.end(), [](const auto& c) { return c.known; })));
-  return std::hypot(stats::normal_quantile(1.0 - 0.025 / looks) * cell.standard_error, kNormal95 * cell.by_hand);
+  return std::hypot(stats::normal_quantile(1.0 - 0.025 / looks) * cell.standard_error, normal95 * cell.by_hand);
 }
 
 const PlaceDifference* PlaceMap::strongest() const {
@@ -271,7 +271,7 @@ class PlaceComparison {
       double most = 0.0;
       for (const auto& [key, both] : seen_) {
         const Seen& own = both[side];
-        if (own.count() < kFewestStretches || !(own.squares > 0.0)) continue;
+        if (own.count() < fewest_stretches || !(own.squares > 0.0)) continue;
         least = std::min(least, own.ratio() + z * own.error());
         most = std::max(most, own.ratio() - z * own.error());
       }
@@ -282,7 +282,7 @@ class PlaceComparison {
 
   [[nodiscard]] PlaceDifference same(const Seen& both) const {
     PlaceDifference cell;
-    cell.known = both.count() >= kFewestStretches;
+    cell.known = both.count() >= fewest_stretches;
     cell.depth_m = both.depth_m / both.samples;
     cell.real_N = both.real_N.norm() / both.samples;
     cell.rendered_N = both.rendered_N.norm() / both.samples;
@@ -301,7 +301,7 @@ class PlaceComparison {
   // differs by from the cells beside, all of it where there are none, as far as the two were at different places of
   // this one. A step may lie between them: half a cell apart, it counts whole.
   [[nodiscard]] double within_cell(const Key& key, const std::array<Seen, 2>& both) const {
-    constexpr double kBound = 0.5;
+    constexpr double bound = 0.5;
     double error = 0.0;
     for (std::size_t a = 0; a < 2; ++a) {
       const double apart_m = std::abs(both[0].place_m[a] / both[0].samples - both[1].place_m[a] / both[1].samples);
@@ -315,7 +315,7 @@ class PlaceComparison {
           if (there.squares > 0.0) most = std::max(most, std::abs(there.ratio() - both[side].ratio()));
         }
       }
-      error += kBound * (most < 0.0 ? 1.0 : most) * std::min(1.0, 2.0 * apart_m / cell_m_);
+      error += bound * (most < 0.0 ? 1.0 : most) * std::min(1.0, 2.0 * apart_m / cell_m_);
     }
     return error;
   }
@@ -340,7 +340,7 @@ class PlaceComparison {
     PlaceDifference cell;
     const Seen& own = both[0];
     const Seen& other = both[1];
-    cell.known = std::min(own.count(), other.count()) >= kFewestStretches && std::min(own.squares, other.squares) > 0.0;
+    cell.known = std::min(own.count(), other.count()) >= fewest_stretches && std::min(own.squares, other.squares) > 0.0;
     if (!cell.known) return cell;
     cell.depth_m = std::min(own.depth_m / own.samples, other.depth_m / other.samples);
     cell.share = std::min(own.samples / static_cast<double>(sides_[0]->felt.size()),
@@ -409,7 +409,7 @@ PlaceMaps place_maps(const JudgedProcess& real, const JudgedProcess& rendered, b
   if (!range) return {};
   const double side_m = std::max((*range)[0][1] - (*range)[0][0], (*range)[1][1] - (*range)[1][0]);
   const auto map = [&](Compared compared) {
-    return PlaceComparison(real, rendered, compared, same_motion, thresholds, *range, side_m / kCells).map();
+    return PlaceComparison(real, rendered, compared, same_motion, thresholds, *range, side_m / cells_per_side).map();
   };
   return {map(same_motion ? Compared::whole_force : Compared::force), map(Compared::friction)};
 }

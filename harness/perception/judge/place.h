@@ -30,19 +30,19 @@ struct PlaceGain {
   [[nodiscard]] double of(const FeltSeries& felt, std::size_t i) const;
 };
 
-// Least and largest place in contact along axis 1 and 2; nothing where all lie within `kFinestPlace_m`.
+// Least and largest place in contact along axis 1 and 2; nothing where all lie within `finest_place_m`.
 using PlaceRange = std::array<std::array<double, 2>, 2>;
 std::optional<PlaceRange> explored(const FeltSeries& felt, const Response& response);
 
 // The gain that the residuals of a response show, 1 on average over the samples in contact; nothing where the places
-// lie within `kFinestPlace_m`.
+// lie within `finest_place_m`.
 std::optional<PlaceGain> place_gain(const FeltSeries& felt, const Response& response);
 
 // What is between the two is one place.
-inline constexpr double kFinestPlace_m = 0.01;
+inline constexpr double finest_place_m = 0.01;
 
 // Standard errors that hold 95 %.
-inline constexpr double kNormal95 = 1.959964;
+inline constexpr double normal95 = 1.959964;
 
 struct PlaceDifference {
   Vec3 centre_m = Vec3::Zero();  // in the object's frame, on the plane through the frame's origin

@@ -10,8 +10,8 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kIntervals = 20.0;        // of the longer side of what was explored
-constexpr double kSmallestStep_s = 0.002;  // places are smoothed over 20 ms: ten samples of it say as much as all
+constexpr double intervals_per_side = 20.0;  // of the longer side of what was explored
+constexpr double smallest_step_s = 0.002;    // places are smoothed over 20 ms: ten samples of it say as much as all
 
 // The four cubic B-splines that are not zero at `share` of an interval.
 std::array<double, 4> cubic(double share) {
@@ -62,7 +62,7 @@ std::optional<PlaceRange> explored(const FeltSeries& felt, const Response& respo
       range[a][1] = std::max(range[a][1], felt.place_m[a][i]);
     }
   }
-  if (!(std::max(range[0][1] - range[0][0], range[1][1] - range[1][0]) > kFinestPlace_m)) return std::nullopt;
+  if (!(std::max(range[0][1] - range[0][0], range[1][1] - range[1][0]) > finest_place_m)) return std::nullopt;
   return range;
 }
 
@@ -79,7 +79,7 @@ std::optional<PlaceGain> place_gain(const FeltSeries& felt, const Response& resp
   if (!range) return std::nullopt;
   PlaceGain gain;
   const double side_m[2] = {(*range)[0][1] - (*range)[0][0], (*range)[1][1] - (*range)[1][0]};
-  gain.spacing_m = std::max(side_m[0], side_m[1]) / kIntervals;
+  gain.spacing_m = std::max(side_m[0], side_m[1]) / intervals_per_side;
   for (std::size_t a = 0; a < 2; ++a) {
     gain.first_m[a] = (*range)[a][0];
     gain.intervals[a] = static_cast<std::size_t>(std::max(1.0, std::ceil(side_m[a] / gain.spacing_m * (1.0 - 1e-12))));
@@ -88,7 +88,7 @@ std::optional<PlaceGain> place_gain(const FeltSeries& felt, const Response& resp
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   const double* const force_N = felt.force_N[0].data();
-  const auto step = static_cast<std::size_t>(std::max(1.0, std::floor(kSmallestStep_s * felt.rate_Hz)));
+  const auto step = static_cast<std::size_t>(std::max(1.0, std::floor(smallest_step_s * felt.rate_Hz)));
   for (std::size_t i = 0; i < felt.size(); i += step) {
     if (!touches(felt, response, i)) continue;
     const double before = response.gain.of(felt, i);

@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kHalf_m = 0.03;  // of a stroke
+constexpr double half_m = 0.03;  // of a stroke
 
 double even(double) { return 320.0; }
 double lump(double x_m) { return 320.0 * (1.0 + 1.4 * std::exp(-std::pow((x_m - 0.008) / 0.006, 2) / 2.0)); }
@@ -38,8 +38,8 @@ struct Strokes {
   double pace = 1.0;
   double towards_rad = 0.0;
   double rate_Hz = 500.0;
-  double from_m = -kHalf_m;
-  double to_m = kHalf_m;
+  double from_m = -half_m;
+  double to_m = half_m;
   std::function<double(double)> friction = slippery;
 };
 

@@ -14,17 +14,17 @@ struct Power {
   double may_differ = 0.0;  // upper end of the interval of d', mean
 };
 
-constexpr int kSeeds = 3;
-constexpr double kPresses_s = 0.9;
+constexpr int seeds = 3;
+constexpr double presses_s = 0.9;
 
 Power power(double noise_N, double seconds, const std::vector<Channel>& without) {
   Power result;
   JudgeOptions options;
   options.without = without;
   options.keep_moments = false;
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     PlantedProcess process{.noise_N = noise_N};
-    process.presses = static_cast<int>(seconds / kPresses_s);
+    process.presses = static_cast<int>(seconds / presses_s);
     const auto prepared = [&](std::uint64_t which, const JudgedProcess* reference) {
       return judged_process(felt_series(planted(process, 880000 + 10 * seed + which), Vec3::UnitZ()),
                             options.thresholds, reference);
@@ -33,7 +33,7 @@ Power power(double noise_N, double seconds, const std::vector<Channel>& without)
     const Judgement judgement = judge(real, prepared(1, &real), {}, options);
     EXPECT_NE(judgement.verdict, Verdict::noticed) << noise_N << " N, " << seconds << " s";
     result.not_noticed += judgement.verdict == Verdict::not_noticed ? 1 : 0;
-    result.may_differ += judgement.d_prime_high95 / kSeeds;
+    result.may_differ += judgement.d_prime_high95 / seeds;
   }
   return result;
 }
@@ -54,13 +54,13 @@ TEST(Power, OneProcessIsCalledOneWhereTheDataAllowIt) {
       EXPECT_LE(found.may_differ, before.may_differ + 0.05) << "more data say more";
       // 20 mN are a hundred thresholds of vibration: an hour hardly averages them away.
       if (noise_N < 0.002 || (noise_N < 0.01 && seconds > 50.0)) {
-        EXPECT_EQ(found.not_noticed, kSeeds) << words;
+        EXPECT_EQ(found.not_noticed, seeds) << words;
       }
       before = found;
     }
     EXPECT_GE(before.not_noticed, 1) << "an hour at " << noise_N << " N";
     const Power slow = power(noise_N, durations.front().first, fast);
-    EXPECT_EQ(slow.not_noticed, kSeeds);
+    EXPECT_EQ(slow.not_noticed, seeds);
     table += fmt::format(" {} (d' up to {:.2f}) |\n", slow.not_noticed, slow.may_differ);
   }
   fmt::print("{}", table);

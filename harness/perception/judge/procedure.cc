@@ -10,16 +10,16 @@ namespace {
 
 // The integral above by the trapezium rule, which converges faster than any power of the step for such integrands.
 double share_right_of(double d_prime, int alternatives) {
-  constexpr double kReach = 9.0;
-  constexpr int kSteps = 600;
-  constexpr double kStep = 2.0 * kReach / kSteps;
+  constexpr double reach = 9.0;
+  constexpr int steps = 600;
+  constexpr double step = 2.0 * reach / steps;
   double sum = 0.0;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double z = -kReach + kStep * i;
+  for (int i = 0; i <= steps; ++i) {
+    const double z = -reach + step * i;
     const double density = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
     sum += density * std::pow(stats::normal_cdf(z + d_prime), alternatives - 1);
   }
-  return sum * kStep;
+  return sum * step;
 }
 
 }  // namespace
@@ -30,8 +30,8 @@ double d_prime_of_forced_choice(double share_right, int alternatives) {
   if (alternatives == 2) return share_right > 0.5 ? std::numbers::sqrt2 * stats::normal_quantile(share_right) : 0.0;
   double low = 0.0;
   double high = 10.0;
-  constexpr int kHalvings = 60;
-  for (int i = 0; i < kHalvings; ++i) {
+  constexpr int halvings = 60;
+  for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (low + high);
     (share_right_of(middle, alternatives) < share_right ? low : high) = middle;
   }

@@ -7,9 +7,9 @@ namespace touchstone::perception {
 
 // Where a staircase settles that makes the task harder after three right answers and easier after a wrong one: the
 // share p with p^3 = 1/2 (Levitt 1971).
-inline constexpr double kThreeDownOneUp = 0.79370052598409974;
+inline constexpr double three_down_one_up = 0.79370052598409974;
 // Two right answers: p^2 = 1/2.
-inline constexpr double kTwoDownOneUp = 0.70710678118654752;
+inline constexpr double two_down_one_up = 0.70710678118654752;
 
 // One stimulus a trial, two answers, no bias: 2 z(p).
 double d_prime_of_one_interval(double share_right);

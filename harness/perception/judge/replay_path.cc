@@ -7,7 +7,7 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kLongest_s = 0.02;
+constexpr double longest_s = 0.02;
 
 // The parabola's value at the middle by least squares over the samples' own times; fewer samples at the ends.
 Vec3 smoothed_at(const MotionColumns& motion, std::size_t i, std::size_t half) {
@@ -72,7 +72,7 @@ ReplayPath replay_path(const MotionColumns& recorded) {
     noise_m2 += std::pow(white_noise_of(column), 2);
   }
   const double interval_s = (recorded.t_s.back() - recorded.t_s.front()) / static_cast<double>(n - 1);
-  const auto longest = static_cast<std::size_t>(std::round(0.5 * kLongest_s / interval_s));
+  const auto longest = static_cast<std::size_t>(std::round(0.5 * longest_s / interval_s));
   // Six standard errors of a mean square of n samples.
   const double chance = 1.0 + 6.0 * std::sqrt(2.0 / static_cast<double>(n));
   for (std::size_t half = 2; half <= longest; ++half) {

@@ -14,7 +14,7 @@ using recording::Recording;
 
 namespace {
 
-constexpr double kReplayTurn = 2.0 * std::numbers::pi;
+constexpr double replay_turn = 2.0 * std::numbers::pi;
 
 struct Session {
   double k_N_per_m = 400.0;
@@ -25,11 +25,11 @@ struct Session {
 
 Vec3 place_at(const Session& session, double t) {
   const double deepest_m = 3.0 / session.k_N_per_m;
-  const double depth_m = (deepest_m + 0.001) * 0.5 * (1.0 - std::cos(kReplayTurn * 0.9 * t)) - 0.001;
+  const double depth_m = (deepest_m + 0.001) * 0.5 * (1.0 - std::cos(replay_turn * 0.9 * t)) - 0.001;
   if (!session.slides) return {0.0, 0.0, -depth_m};
   // To and fro at a depth that changes slowly, from the air and back.
-  const double slow_m = (deepest_m + 0.001) * 0.5 * (1.0 - std::cos(kReplayTurn * 0.3 * t)) - 0.001;
-  return {0.02 * std::sin(kReplayTurn * 0.7 * t), 0.0, -slow_m};
+  const double slow_m = (deepest_m + 0.001) * 0.5 * (1.0 - std::cos(replay_turn * 0.3 * t)) - 0.001;
+  return {0.02 * std::sin(replay_turn * 0.7 * t), 0.0, -slow_m};
 }
 
 Vec3 force_of(const Session& session, const Vec3& p) { return {0.0, 0.0, std::max(0.0, -session.k_N_per_m * p.z())}; }

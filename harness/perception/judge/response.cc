@@ -12,9 +12,9 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr std::size_t kMostKnots = 48;
-constexpr double kFewestSeen = 10.0;  // samples' weight at a knot that counts
-constexpr std::size_t kBins = 400;
+constexpr std::size_t most_knots = 48;
+constexpr double fewest_seen = 10.0;  // samples' weight at a knot that counts
+constexpr std::size_t bins = 400;
 
 // Normal equations of one component: `features` times the two hats that a sample lies between. Neighbouring knots alone
 // share samples, so that the matrix is kept as diagonal and first off-diagonal blocks.
@@ -110,13 +110,13 @@ ResponseCurves curves_of(const ComponentSums& sums) {
 FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force) {
   const auto [low, high] = std::minmax_element(felt.depth_m.begin(), felt.depth_m.end());
   FirstContact result{*low, false};
-  const double width = (*high - *low) / static_cast<double>(kBins);
+  const double width = (*high - *low) / static_cast<double>(bins);
   if (!(width > 0.0)) return result;
-  std::vector<double> sum(kBins, 0.0);
-  std::vector<double> count(kBins, 0.0);
-  std::vector<double> depth(kBins, 0.0);
+  std::vector<double> sum(bins, 0.0);
+  std::vector<double> count(bins, 0.0);
+  std::vector<double> depth(bins, 0.0);
   for (std::size_t i = 0; i < felt.size(); ++i) {
-    const auto bin = std::min(kBins - 1, static_cast<std::size_t>((felt.depth_m[i] - *low) / width));
+    const auto bin = std::min(bins - 1, static_cast<std::size_t>((felt.depth_m[i] - *low) / width));
     sum[bin] += felt.force_N[0][i];
     depth[bin] += felt.depth_m[i];
     count[bin] += 1.0;
@@ -126,7 +126,7 @@ FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force) {
   std::vector<double> f;
   std::vector<double> d;
   double of_mean[3] = {};
-  for (std::size_t b = 0; b < kBins; ++b) {
+  for (std::size_t b = 0; b < bins; ++b) {
     of_mean[0] += count[b];
     of_mean[1] += sum[b];
     of_mean[2] += depth[b];
@@ -177,7 +177,7 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
   response.deepest_m = *std::max_element(felt.depth_m.begin(), felt.depth_m.end()) - contact.depth_m;
   if (!(response.deepest_m > 0.0)) return std::nullopt;
   const double cells =
-      std::min(std::ceil(response.deepest_m / grid.spacing_m * (1.0 - 1e-12)), static_cast<double>(kMostKnots - 1));
+      std::min(std::ceil(response.deepest_m / grid.spacing_m * (1.0 - 1e-12)), static_cast<double>(most_knots - 1));
   const auto knots = static_cast<std::size_t>(std::max(1.0, cells)) + 1;
   response.seen.assign(knots, 0.0);
   response.speed_m_per_s.assign(knots, 0.0);
@@ -187,7 +187,7 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
   response.slid_depth_m.assign(knots, 0.0);
   response.slid_m_per_s.assign(knots, 0.0);
 
-  std::vector<ComponentSums> blocks(kBlocks);
+  std::vector<ComponentSums> blocks(jackknife_blocks);
   for (auto& block : blocks) block.resize(knots);
   for (std::size_t i = 0; i < felt.size(); ++i) {
     const double d = felt.depth_m[i] - contact.depth_m;
@@ -196,7 +196,7 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
     const auto j = std::min(static_cast<std::size_t>(at), knots - 2);
     const double right = std::min(at - static_cast<double>(j), 1.0);
     const double left = 1.0 - right;
-    auto& block = blocks[i * kBlocks / felt.size()];
+    auto& block = blocks[i * jackknife_blocks / felt.size()];
     const double v = felt.rate_of_depth_m_per_s[i];
     const double x = felt.slide_x[i];
     const double y = felt.slide_y[i];
@@ -215,7 +215,7 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
       response.slid_m_per_s[knot] += share * sliding * felt.slide_m_per_s[i] * felt.slide_m_per_s[i];
     }
   }
-  if (*std::max_element(response.seen.begin(), response.seen.end()) < kFewestSeen) return std::nullopt;
+  if (*std::max_element(response.seen.begin(), response.seen.end()) < fewest_seen) return std::nullopt;
   for (std::size_t j = 0; j < knots; ++j) {
     if (response.slid[j] > 0.0) {
       for (auto& towards : response.slid_towards) towards[j] /= response.slid[j];
@@ -226,7 +226,7 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
       response.speed_m_per_s[j] = std::sqrt(response.speed_m_per_s[j] / response.seen[j]);
       response.slid[j] /= response.seen[j];
     }
-    if (response.seen[j] < kFewestSeen) response.seen[j] = 0.0;
+    if (response.seen[j] < fewest_seen) response.seen[j] = 0.0;
   }
 
   ComponentSums total;
@@ -242,36 +242,36 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
 }
 
 std::optional<Response> with_place(const Response& response, const FeltSeries& felt) {
-  constexpr int kRounds = 100;
-  constexpr double kLess = 1e-3;  // of the squares that a round must still take away
-  constexpr double kExplains = 0.5;
-  constexpr double kMatters = 0.023;  // of the force: a third of the least fraction that is noticed, 7 %
+  constexpr int rounds = 100;
+  constexpr double less_share = 1e-3;  // of the squares that a round must still take away
+  constexpr double explains = 0.5;
+  constexpr double matters = 0.023;  // of the force: a third of the least fraction that is noticed, 7 %
   const FirstContact contact{response.contact_m, response.begins_free};
   Response better = response;
   const double even_N2 = residual_squares_N2(response, felt);
   double left_N2 = even_N2;
   // One after the other, the gain over place and the curves over depth.
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const auto gain = place_gain(felt, better);
     if (!gain) return std::nullopt;
     if (round == 0) {
       Response with_gain = response;
       with_gain.gain = *gain;
-      if (!(residual_squares_N2(with_gain, felt) < kExplains * even_N2)) return std::nullopt;
+      if (!(residual_squares_N2(with_gain, felt) < explains * even_N2)) return std::nullopt;
     }
     auto refitted = fit_response(felt, contact, response.grid, *gain);
     if (!refitted) return std::nullopt;
     better = std::move(*refitted);
     const double before_N2 = left_N2;
     left_N2 = residual_squares_N2(better, felt);
-    if (!(left_N2 < (1.0 - kLess) * before_N2)) break;
+    if (!(left_N2 < (1.0 - less_share) * before_N2)) break;
   }
   // Of the force, not of the gain: where a hand only lands, the gain is of little force.
   double squares_N2 = 0.0;
   for (std::size_t i = 0; i < felt.size(); ++i) {
     if (felt.depth_m[i] >= response.contact_m) squares_N2 += felt.force_N[0][i] * felt.force_N[0][i];
   }
-  if (!(even_N2 - left_N2 > kMatters * kMatters * squares_N2)) return std::nullopt;
+  if (!(even_N2 - left_N2 > matters * matters * squares_N2)) return std::nullopt;
   better.lag_s = response.lag_s;
   return better;
 }
@@ -287,8 +287,8 @@ double residual_squares_N2(const Response& response, const FeltSeries& felt) {
 }
 
 void measure_left(Response& response, const FeltSeries& felt) {
-  constexpr double kWindow_s = 0.02;
-  const auto length = static_cast<std::size_t>(std::max(4.0, std::round(kWindow_s * felt.rate_Hz)));
+  constexpr double window_s = 0.02;
+  const auto length = static_cast<std::size_t>(std::max(4.0, std::round(window_s * felt.rate_Hz)));
   const auto n = static_cast<double>(length);
   const std::size_t knots = response.knots();
   std::vector<double> weights[2] = {std::vector<double>(knots, 0.0), std::vector<double>(knots, 0.0)};
@@ -376,7 +376,7 @@ std::array<double, 3> expected_force_N(const Response& response, const FeltSerie
   const auto& c = response.curves;
   const double at = d / response.grid.spacing_m;
   const auto j =
-      std::min(static_cast<std::size_t>(std::min(at, static_cast<double>(kMostKnots))), response.knots() - 2);
+      std::min(static_cast<std::size_t>(std::min(at, static_cast<double>(most_knots))), response.knots() - 2);
   const double share = std::min(at - static_cast<double>(j), 1.0);
   const double gain = response.gain.of(felt, i);
   const auto value = [j, share, gain](const std::vector<double>& curve) {

@@ -6,8 +6,9 @@
 //   F_i(d, s)    = a_i(d) + c(d) s_i / sqrt(s^2 + s0^2)   across, i = 1, 2; s the velocity of sliding, s0 = 1 mm/s
 //
 // times a gain over place (place.h) where the object differs from place to place. a, b, c are straight between knots.
-// Least squares over the samples in contact; the spread comes from leaving out one of kBlocks stretches of time after
-// the other (block jackknife, Kuensch 1989), which needs no assumption about how noise is correlated within a stretch.
+// Least squares over the samples in contact; the spread comes from leaving out one of jackknife_blocks stretches of
+// time after the other (block jackknife, Kuensch 1989), which needs no assumption about how noise is correlated within
+// a stretch.
 #pragma once
 
 #include <array>
@@ -21,7 +22,7 @@
 
 namespace touchstone::perception {
 
-inline constexpr std::size_t kBlocks = 16;
+inline constexpr std::size_t jackknife_blocks = 16;
 
 // Depths are from first contact. The same grid serves both recordings of a pair.
 struct DepthGrid {
@@ -54,7 +55,7 @@ struct Response {
   std::vector<double> left_side_N;
   PlaceGain gain;  // over place, of all curves
   ResponseCurves curves;
-  std::vector<ResponseCurves> without;  // without block 0 .. kBlocks - 1
+  std::vector<ResponseCurves> without;  // without block 0 .. jackknife_blocks - 1
 
   [[nodiscard]] std::size_t knots() const noexcept { return seen.size(); }
 };

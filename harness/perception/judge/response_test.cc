@@ -29,20 +29,20 @@ FeltSeries presses(Force force) {
   return felt;
 }
 
-constexpr FirstContact kAtZero{0.0, true};
+constexpr FirstContact at_zero{0.0, true};
 
 TEST(Response, HasAKnotForEverySpacingDownToTheDeepest) {
   const auto felt = presses([](double d) { return 400.0 * d; });
-  EXPECT_EQ(fit_response(felt, kAtZero, {0.001})->knots(), 11u);
-  EXPECT_EQ(fit_response(felt, kAtZero, {0.003})->knots(), 5u);
-  EXPECT_EQ(fit_response(felt, kAtZero, {0.020})->knots(), 2u);
+  EXPECT_EQ(fit_response(felt, at_zero, {0.001})->knots(), 11u);
+  EXPECT_EQ(fit_response(felt, at_zero, {0.003})->knots(), 5u);
+  EXPECT_EQ(fit_response(felt, at_zero, {0.020})->knots(), 2u);
   // However fine the grid of the other recording is.
-  EXPECT_EQ(fit_response(felt, kAtZero, {1e-7})->knots(), 48u);
+  EXPECT_EQ(fit_response(felt, at_zero, {1e-7})->knots(), 48u);
 }
 
 TEST(Response, IsTheObjectsForceOverDepth) {
   const auto felt = presses([](double d) { return 400.0 * d; });
-  const auto response = fit_response(felt, kAtZero, {0.001});
+  const auto response = fit_response(felt, at_zero, {0.001});
   ASSERT_TRUE(response);
   EXPECT_NEAR(response->deepest_m, 0.010, 1e-12);
   for (std::size_t j = 0; j < response->knots(); ++j) {
@@ -55,11 +55,11 @@ TEST(Response, IsTheObjectsForceOverDepth) {
 // An object that is stiffer in every other press: no force over depth is both.
 TEST(Response, SaysWhatForceItLeaves) {
   auto felt = presses([](double d) { return 400.0 * d; });
-  auto response = fit_response(felt, kAtZero, {0.001});
+  auto response = fit_response(felt, at_zero, {0.001});
   measure_left(*response, felt);
   for (const double left_N : response->left_N) EXPECT_LT(left_N, 0.01);
   for (std::size_t i = 0; i < felt.size(); ++i) felt.force_N[0][i] *= (i / 500) % 2 == 0 ? 1.3 : 0.7;
-  response = fit_response(felt, kAtZero, {0.001});
+  response = fit_response(felt, at_zero, {0.001});
   measure_left(*response, felt);
   for (std::size_t j = 2; j < response->knots(); ++j)
     EXPECT_NEAR(response->left_N[j], 0.3 * 0.4 * static_cast<double>(j), 0.12) << j;
@@ -68,7 +68,7 @@ TEST(Response, SaysWhatForceItLeaves) {
 
 TEST(Response, NothingIsFittedWhereThereIsNoDepth) {
   const auto felt = presses([](double d) { return 400.0 * d; });
-  EXPECT_FALSE(fit_response(felt, kAtZero, {0.0}));
+  EXPECT_FALSE(fit_response(felt, at_zero, {0.0}));
   EXPECT_FALSE(fit_response(felt, {0.010, true}, {0.001}));
 }
 

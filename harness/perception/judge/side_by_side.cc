@@ -33,12 +33,12 @@ OtherMetric tried(OtherMetric metric, Value&& value) {
 std::vector<OtherMetric> other_metrics(const recording::Recording& real, const recording::Recording& rendered,
                                        const Vec3& outward) {
   std::vector<OtherMetric> metrics;
-  const double contact_N = kFingertipForce.absolute_threshold;
+  const double contact_N = fingertip_force.absolute_threshold;
   EvaluationOptions options;
   options.explained_share = 1.0;
   options.threads = 1;
-  OtherMetric space = metric_of(std::string(kPerceptionSpaceMethod.name), std::string(kPerceptionSpaceMethod.unit),
-                                kPerceptionSpaceMethod.larger_is_better);
+  OtherMetric space = metric_of(std::string(perception_space_method.name), std::string(perception_space_method.unit),
+                                perception_space_method.larger_is_better);
   std::vector<double> real_N;
   std::vector<double> rendered_N;
   double rate_Hz = 0.0;
@@ -82,7 +82,7 @@ std::vector<OtherMetric> other_metrics(const recording::Recording& real, const r
   // force): the law's factor cancels.
   metrics.push_back(tried(metric_of("stevens", "1", false), [&]() -> std::optional<double> {
     needs_series();
-    const StevensPowerLaw law{1.0, kStevensMuscleForce};
+    const StevensPowerLaw law{1.0, stevens_muscle_force};
     double apart = 0.0;
     double own = 0.0;
     for (std::size_t i = 0; i < real_N.size(); ++i) {

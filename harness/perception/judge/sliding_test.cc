@@ -14,7 +14,7 @@ using recording::Recording;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double degree = std::numbers::pi / 180.0;
 
 JudgeOptions friction_alone() {
   JudgeOptions options;
@@ -45,7 +45,7 @@ TEST(Sliding, FrictionIsToldInEveryDirectionOfTheStrokes) {
   for (const double degrees : {10.0, 27.0, 45.0, 62.0, 80.0, 135.0}) {
     PlantedProcess a = real;
     PlantedProcess b = rough;
-    a.slide_rad = b.slide_rad = degrees * kDegree;
+    a.slide_rad = b.slide_rad = degrees * degree;
     const auto judgement = rubbed(a, b, friction_alone());
     EXPECT_EQ(judgement.verdict, Verdict::noticed) << degrees;
     EXPECT_NEAR(judgement.d_prime, along, 0.05 * along) << degrees;
@@ -57,7 +57,7 @@ TEST(Sliding, ATurnOfTheWorldIsNoDifference) {
   const PlantedProcess rough{.friction = 0.4, .slides = true, .slide_rad = 0.4};
   const double upright = rubbed(real, rough).d_prime;
   for (const double degrees : {20.0, 35.0, 111.0}) {
-    const Mat3 turn = Eigen::AngleAxisd(degrees * kDegree, Vec3(1.0, 0.7, -0.3).normalized()).toRotationMatrix();
+    const Mat3 turn = Eigen::AngleAxisd(degrees * degree, Vec3(1.0, 0.7, -0.3).normalized()).toRotationMatrix();
     EXPECT_NEAR(rubbed(real, rough, {}, turn).d_prime, upright, 1e-3 * upright) << degrees;
   }
 }
@@ -77,8 +77,8 @@ TEST(Sliding, TheDirectionOfPressingIsNotThatOfTheFriction) {
       kept.f_W_N.push_back(recording.f_W_N[i]);
     }
     const auto off = [](const Vec3& direction) { return std::acos(std::min(1.0, direction.z())); };
-    EXPECT_LT(off(pressing_direction(kept)), 0.25 * off(press_direction(kept)) + 0.1 * kDegree) << mu;
-    EXPECT_GE(off(press_direction(kept)), mu > 0.0 ? 2.0 * kDegree : 0.0) << mu;
+    EXPECT_LT(off(pressing_direction(kept)), 0.25 * off(press_direction(kept)) + 0.1 * degree) << mu;
+    EXPECT_GE(off(press_direction(kept)), mu > 0.0 ? 2.0 * degree : 0.0) << mu;
   }
 }
 
@@ -101,8 +101,8 @@ struct Ridges {
 };
 Recording stroked(double mu, double depth_m, double stroke_s, std::uint64_t seed, const Ridges& ridges = {}) {
   constexpr double k_N_per_m = 620.0;
-  constexpr double kStroke_m = 0.03;
-  constexpr double kAbove_m = 0.004;
+  constexpr double stroke_m = 0.03;
+  constexpr double above_m = 0.004;
   Random random(seed);
   Recording recording;
   recording.source = "stroked";
@@ -115,9 +115,9 @@ Recording stroked(double mu, double depth_m, double stroke_s, std::uint64_t seed
     for (double s = 0.0; s < press_s; s += 0.001) {
       const double slid = std::clamp((s - move_s) / stroke_s, 0.0, 4.0);
       const double way = std::fmod(slid, 2.0);
-      const double x_m = kStroke_m * (way < 1.0 ? eased(way) : 1.0 - eased(way - 1.0));
+      const double x_m = stroke_m * (way < 1.0 ? eased(way) : 1.0 - eased(way - 1.0));
       const double down = eased(s / move_s) - eased((s - move_s - 4.0 * stroke_s) / move_s);
-      const double depth = (own_depth_m + kAbove_m) * down - kAbove_m;
+      const double depth = (own_depth_m + above_m) * down - above_m;
       const double speed = (x_m - before_m) / 0.001;
       before_m = x_m;
       const double load_N = k_N_per_m * std::max(0.0, depth);

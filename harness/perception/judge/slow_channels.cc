@@ -9,9 +9,9 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kSlidShare = 0.05;      // of the samples at a depth: less shows no sliding there
-constexpr double kDirectionForce = 5.0;  // absolute thresholds of force that a direction needs
-constexpr double kBound = 0.5;           // standard errors of what differs by a bound at most: that is two
+constexpr double slid_share = 0.05;            // of the samples at a depth: less shows no sliding there
+constexpr double direction_force = 5.0;        // absolute thresholds of force that a direction needs
+constexpr double bound_standard_errors = 0.5;  // standard errors of what differs by a bound at most: that is two
 
 Vec3 static_force(const ResponseCurves& c, double d, const DepthGrid& grid, bool with_side = true) {
   if (!with_side) return {at_depth(c.normal_N, d, grid), 0.0, 0.0};
@@ -31,8 +31,8 @@ struct Sliding {
 };
 
 Sliding sliding_of(double share, const Vec3& towards) {
-  const bool slides = share > kSlidShare;
-  return {slides, slides && towards.norm() < kOneWay, towards};
+  const bool slides = share > slid_share;
+  return {slides, slides && towards.norm() < one_way_share, towards};
 }
 
 Sliding sliding_at(const Response& r, double d) {
@@ -48,7 +48,8 @@ bool side_is_known(const Sliding& a, const Sliding& b) {
 
 // Both slid one way, and the same: what they feel against it is compared as a whole.
 bool one_way_alike(const Sliding& a, const Sliding& b) {
-  return a.slides && b.slides && !a.to_and_fro && !b.to_and_fro && a.towards.dot(b.towards) > kOneWay * kOneWay;
+  return a.slides && b.slides && !a.to_and_fro && !b.to_and_fro &&
+         a.towards.dot(b.towards) > one_way_share * one_way_share;
 }
 
 // What the responses of both leave at a depth (response.h): two recordings by other hands may differ by it.
@@ -141,7 +142,8 @@ SlowEvidence friction_evidence(const Response& real, const ResponseCurves& real_
     SlowEvidence evidence{true, friction_jnd(own_N, other_N, apart_N, load_N, thresholds), d, own_N, other_N};
     const double larger_N = std::max(own_N, other_N);
     const double left_N = left_at(real, rendered, d).side_N;
-    const double by_left = kBound * friction_jnd(larger_N, larger_N + left_N, left_N, load_N, thresholds);
+    const double by_left =
+        bound_standard_errors * friction_jnd(larger_N, larger_N + left_N, left_N, load_N, thresholds);
     evidence.by_hand = std::hypot(friction_by_hand_jnd(larger_N, std::min(own_growth, other_growth),
                                                        other.slid_m_per_s / own.slid_m_per_s, load_N, thresholds),
                                   by_left);
@@ -169,7 +171,7 @@ double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, co
 
 // Of depths, the one that differs most beyond what another hand may make of it.
 void keep_larger(SlowEvidence& evidence, const SlowEvidence& other) {
-  const auto certain = [](const SlowEvidence& e) { return e.jnd - e.by_hand / kBound; };
+  const auto certain = [](const SlowEvidence& e) { return e.jnd - e.by_hand / bound_standard_errors; };
   if (!evidence.known || certain(other) > certain(evidence)) evidence = other;
 }
 
@@ -210,7 +212,8 @@ double friction_jnd(double real_N, double rendered_N, double apart_N, double loa
 double friction_by_hand_jnd(double larger_N, double loads, double speeds, double load_N, const Thresholds& thresholds) {
   const GrowthBounds growth = growth_bounds(loads, 1.0);
   const auto bound = [&](double factor) {
-    return kBound * friction_jnd(larger_N, factor * larger_N, (factor - 1.0) * larger_N, load_N, thresholds);
+    return bound_standard_errors *
+           friction_jnd(larger_N, factor * larger_N, (factor - 1.0) * larger_N, load_N, thresholds);
   };
   return std::hypot(bound(std::max(growth.most / growth.by_law, growth.by_law / growth.least)),
                     bound(std::exp(std::abs(std::log(speeds)))));
@@ -254,8 +257,9 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
       return force_at_depth_jnd(steps(other_N) - steps(own_N), own_N, other_N, own_exponent, thresholds);
     };
     const double left_N = side_known ? left.both_N() : left.normal_N;
-    keep_larger(at(SlowChannel::force), {true, force_jnd(fr.norm(), fc.norm(), exponent), d, fr.norm(), fc.norm(),
-                                         false, kBound * force_jnd(fr.norm(), fr.norm() + left_N, exponent)});
+    keep_larger(at(SlowChannel::force),
+                {true, force_jnd(fr.norm(), fc.norm(), exponent), d, fr.norm(), fc.norm(), false,
+                 bound_standard_errors * force_jnd(fr.norm(), fr.norm() + left_N, exponent)});
     if (d >= 0.6 * depths_m.back() && side_known) {
       real_sum += fr;
       rendered_sum += fc;
@@ -273,7 +277,7 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
       const double other = steady + sign * other_rate;
       const double both = own != 0.0 ? std::hypot(exponent * steady, own_rate) / std::abs(own) : 0.0;
       keep_larger(at(SlowChannel::rate), {true, force_jnd(own, other, both), d, own_rate, other_rate, false,
-                                          kBound * force_jnd(own, own + left.normal_N, both)});
+                                          bound_standard_errors * force_jnd(own, own + left.normal_N, both)});
     }
   }
   at(SlowChannel::friction) =
@@ -297,11 +301,16 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
       };
       // From one end of the depths to the other.
       const double left_N_per_m = 2.0 * left_mean_N / (depths_m.back() - depths_m.front());
-      at(SlowChannel::stiffness) = {
-          true, stiffness_jnd(kc), depths_m.back(), kr, kc, false, kBound * stiffness_jnd(kr + left_N_per_m)};
+      at(SlowChannel::stiffness) = {true,
+                                    stiffness_jnd(kc),
+                                    depths_m.back(),
+                                    kr,
+                                    kc,
+                                    false,
+                                    bound_standard_errors * stiffness_jnd(kr + left_N_per_m)};
     }
   }
-  const double least = kDirectionForce * thresholds.force.absolute_threshold;
+  const double least = direction_force * thresholds.force.absolute_threshold;
   if (deep > 0.0 && real_sum.norm() / deep > least && rendered_sum.norm() / deep > least) {
     // tan = |a x b| / (a . b): exact also where the angle is small, unlike the inverse cosine.
     const double angle = std::atan2(real_sum.cross(rendered_sum).norm(), real_sum.dot(rendered_sum));
@@ -312,7 +321,7 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
                                   0.0,
                                   angle,
                                   false,
-                                  kBound * left_rad / thresholds.direction_rad};
+                                  bound_standard_errors * left_rad / thresholds.direction_rad};
   }
   if (same_motion) {
     for (auto& own : evidence) own.by_hand = 0.0;
@@ -320,26 +329,26 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
   return evidence;
 }
 
-std::array<double, kSlowChannels> slow_errors(const Response& real, const Response& rendered, bool same_motion,
+std::array<double, slow_channels> slow_errors(const Response& real, const Response& rendered, bool same_motion,
                                               const std::vector<double>& depths_m, const Thresholds& thresholds) {
   // Jackknife over n blocks, with x_b the evidence without block b: the variance is
   //   (n - 1) / n sum (x_b - mean)^2 = (n - 1) / n (sum x_b^2 - (sum x_b)^2 / n).
   // With one motion a block holds the same stretch of both recordings and is left out of both at once, which keeps what
   // they have in common; else the recordings are independent and their variances add.
-  std::array<double, kSlowChannels> variance{};
+  std::array<double, slow_channels> variance{};
   const auto gather = [&](auto&& curves_without) {
-    std::array<double, kSlowChannels> sum{};
-    std::array<double, kSlowChannels> squares{};
-    for (std::size_t b = 0; b < kBlocks; ++b) {
+    std::array<double, slow_channels> sum{};
+    std::array<double, slow_channels> squares{};
+    for (std::size_t b = 0; b < jackknife_blocks; ++b) {
       const auto& [r, c] = curves_without(b);
       const auto evidence = slow_evidence(real, *r, rendered, *c, same_motion, depths_m, thresholds);
-      for (std::size_t e = 0; e < kSlowChannels; ++e) {
+      for (std::size_t e = 0; e < slow_channels; ++e) {
         sum[e] += evidence[e].jnd;
         squares[e] += evidence[e].jnd * evidence[e].jnd;
       }
     }
-    constexpr double n = static_cast<double>(kBlocks);
-    for (std::size_t e = 0; e < kSlowChannels; ++e)
+    constexpr double n = static_cast<double>(jackknife_blocks);
+    for (std::size_t e = 0; e < slow_channels; ++e)
       variance[e] += (n - 1.0) / n * std::max(0.0, squares[e] - sum[e] * sum[e] / n);
   };
   using Pair = std::pair<const ResponseCurves*, const ResponseCurves*>;

@@ -21,11 +21,11 @@ struct SlowEvidence {
   double by_hand = 0.0;
 };
 enum class SlowChannel : unsigned char { force, stiffness, rate, direction, friction };
-inline constexpr std::size_t kSlowChannels = 5;
-using SlowEvidences = std::array<SlowEvidence, kSlowChannels>;
+inline constexpr std::size_t slow_channels = 5;
+using SlowEvidences = std::array<SlowEvidence, slow_channels>;
 
 // Mean direction of sliding one way: 5 % of the samples slide back.
-inline constexpr double kOneWay = 0.9;
+inline constexpr double one_way_share = 0.9;
 
 // Depth times slope over the force's magnitude at `depth_m`, its slope taken over the `step_m` above it: how much of an
 // error of the depth arrives in the force. 0 where the force falls with depth, or there is none.
@@ -62,7 +62,7 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
                             const std::vector<double>& depths_m, const Thresholds& thresholds);
 
 // Standard errors in JND by leaving out blocks: of both together if they share a motion, else one after the other.
-std::array<double, kSlowChannels> slow_errors(const Response& real, const Response& rendered, bool same_motion,
+std::array<double, slow_channels> slow_errors(const Response& real, const Response& rendered, bool same_motion,
                                               const std::vector<double>& depths_m, const Thresholds& thresholds);
 
 }  // namespace touchstone::perception

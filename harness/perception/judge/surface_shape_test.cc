@@ -17,7 +17,7 @@ using recording::Recording;
 
 namespace {
 
-constexpr double kBall_m = 0.09;
+constexpr double ball_m = 0.09;
 
 struct Contact {
   Vec3 normal = Vec3::UnitZ();
@@ -27,8 +27,8 @@ using Object = std::function<Contact(const Vec3&)>;
 
 // Its top is at the origin.
 Contact ball(const Vec3& p) {
-  const Vec3 from_centre = p + Vec3(0.0, 0.0, kBall_m);
-  return {from_centre.normalized(), kBall_m - from_centre.norm()};
+  const Vec3 from_centre = p + Vec3(0.0, 0.0, ball_m);
+  return {from_centre.normalized(), ball_m - from_centre.norm()};
 }
 
 Contact slope(const Vec3& p) {
@@ -76,7 +76,7 @@ TEST(SurfaceShape, IsTheObjectsOwnAndAFlatOneHasNone) {
   for (const double x_m : {-0.015, 0.004, 0.012}) {
     // Depth at which the ball is met, beside that at its top.
     EXPECT_NEAR(on_ball->at(x_m, 0.005).height_m - on_ball->at(0.0, 0.0).height_m,
-                kBall_m - std::sqrt(kBall_m * kBall_m - x_m * x_m - 25e-6), 2e-4);
+                ball_m - std::sqrt(ball_m * ball_m - x_m * x_m - 25e-6), 2e-4);
   }
   const auto on_slope = surface_shape(felt_series(looped(slope, 450.0, {}, 4), Vec3::UnitZ()), 0.12);
   ASSERT_TRUE(on_slope);

@@ -13,36 +13,36 @@
 namespace touchstone::perception {
 
 const std::vector<ThresholdEntry>& threshold_entries() {
-  constexpr std::string_view kShao = "Shao, Wu and Ouyang (2019), section 3.2";
-  constexpr std::string_view kAbstract = "its abstract";
-  constexpr std::string_view kNone = "none: no difference that is noticed";
-  constexpr std::string_view kOneInterval =
+  constexpr std::string_view shao = "Shao, Wu and Ouyang (2019), section 3.2";
+  constexpr std::string_view abstract = "its abstract";
+  constexpr std::string_view no_published_source = "none: no difference that is noticed";
+  constexpr std::string_view one_interval =
       "one interval, two alternatives, with feedback (its abstract); d' = 1 is assumed";
   static const std::vector<ThresholdEntry> entries{
-      {"force_absolute_N", "N", "Jones (2000), fingertip", kShao,
+      {"force_absolute_N", "N", "Jones (2000), fingertip", shao,
        [](Thresholds& t) -> double& { return t.force.absolute_threshold; }},
       {"force_breakpoint_N", "N",
-       "Shao, Wu and Ouyang (2019): where the range of Pang, Tan and Durlach (1991), 2.5 to 10 N, begins", kShao,
+       "Shao, Wu and Ouyang (2019): where the range of Pang, Tan and Durlach (1991), 2.5 to 10 N, begins", shao,
        [](Thresholds& t) -> double& { return t.force.breakpoint; }},
       {"force_fraction_below", "1",
-       "Shao, Wu and Ouyang (2019), of the 15 to 27 % that they find in Nadjarbashi (2015)", kShao,
+       "Shao, Wu and Ouyang (2019), of the 15 to 27 % that they find in Nadjarbashi (2015)", shao,
        [](Thresholds& t) -> double& { return t.force.fraction_below; }},
       {"force_fraction_above", "1",
        "Pang, Tan and Durlach (1991): 7 % between 2.5 and 10 N; agrees with the 8 % for compliance that Tan, Pang and "
        "Durlach (1992) found if force and work could be felt",
-       kAbstract, [](Thresholds& t) -> double& { return t.force.fraction_above; }, kOneInterval},
+       abstract, [](Thresholds& t) -> double& { return t.force.fraction_above; }, one_interval},
       {"stiffness_fraction", "1",
        "Tan, Durlach, Beauregard and Srinivasan (1995): 22 % for compliance if the depth is varied, so that the force "
        "does not give it away",
-       kAbstract, [](Thresholds& t) -> double& { return t.stiffness_fraction; }},
+       abstract, [](Thresholds& t) -> double& { return t.stiffness_fraction; }},
       {"depth_fraction", "1", "derived: the 22 % for compliance without the 7 % for force, both as above",
        "the two abstracts", [](Thresholds& t) -> double& { return t.depth_fraction; }, "that of the two", true},
-      {"direction_rad", "rad", "Barbagli, Salisbury, Ho, Spence and Tan (2006): 25.6 degrees by touch alone", kAbstract,
+      {"direction_rad", "rad", "Barbagli, Salisbury, Ho, Spence and Tan (2006): 25.6 degrees by touch alone", abstract,
        [](Thresholds& t) -> double& { return t.direction_rad; }},
       {"friction_fraction", "1",
        "Fehlberg, Kim, Drewing, Hensel and Bennewitz (2022): fingertips noticed relative differences of friction of "
        "0.2. Of friction that is itself noticed as a force; less counts as force does",
-       kAbstract, [](Thresholds& t) -> double& { return t.friction_fraction; },
+       abstract, [](Thresholds& t) -> double& { return t.friction_fraction; },
        "forced choice (its abstract); the share of right answers is not stated there, d' = 1 is assumed"},
       {"position_m", "m",
        "derived: van Beers, Sittig and Denier van der Gon (1998): hands are localised without sight as if the angles "
@@ -68,7 +68,7 @@ const std::vector<ThresholdEntry>& threshold_entries() {
       {"vibration_fraction", "1",
        "Forta, Griffin and Morioka (2012): median difference threshold 0.20 on the thenar eminence at 125 Hz, 10 dB "
        "above threshold; up to 0.58 at 10 Hz",
-       kAbstract, [](Thresholds& t) -> double& { return t.vibration_fraction; },
+       abstract, [](Thresholds& t) -> double& { return t.vibration_fraction; },
        "three down and one up (its abstract): 79 % right of two alternatives, d' = 1.16"},
       {"frequency_fraction", "1",
        "Israr, Tan and Reed (2006): without a masker, Weber fractions of the frequency average 0.25 at 20 dB and 0.18 "
@@ -82,13 +82,13 @@ const std::vector<ThresholdEntry>& threshold_entries() {
        "Verrillo (1965): the threshold of the Pacinian channel falls up to some 200 ms of duration (that it does, at "
        "high "
        "frequencies only, says the abstract of Gescheider 1976; the time is not in it)",
-       "", [](Thresholds& t) -> double& { return t.vibration_integration_s; }, kNone},
+       "", [](Thresholds& t) -> double& { return t.vibration_integration_s; }, no_published_source},
       {"hand_mass_kg", "kg", "fingertip, middle of the range of Hajian and Howe (1997)", "",
-       [](Thresholds& t) -> double& { return t.hand_mass_kg; }, kNone},
+       [](Thresholds& t) -> double& { return t.hand_mass_kg; }, no_published_source},
       {"hand_damping_N_s_per_m", "N s/m", "fingertip, middle of the range of Hajian and Howe (1997)", "",
-       [](Thresholds& t) -> double& { return t.hand_damping_N_s_per_m; }, kNone},
+       [](Thresholds& t) -> double& { return t.hand_damping_N_s_per_m; }, no_published_source},
       {"hand_stiffness_N_per_m", "N/m", "fingertip, middle of the range of Hajian and Howe (1997)", "",
-       [](Thresholds& t) -> double& { return t.hand_stiffness_N_per_m; }, kNone},
+       [](Thresholds& t) -> double& { return t.hand_stiffness_N_per_m; }, no_published_source},
   };
   return entries;
 }
@@ -111,12 +111,12 @@ std::string_view vibration_threshold_source() {
 }
 
 double Thresholds::vibration_displacement_m(double frequency_Hz) {
-  constexpr double kBest_m = 1e-7;
-  constexpr double kFlatBelow_Hz = 40.0;
+  constexpr double best_m = 1e-7;
+  constexpr double flat_below_Hz = 40.0;
   // 12 dB per octave is the square of the frequency.
-  if (frequency_Hz < 250.0) return kBest_m * std::pow(250.0 / std::max(frequency_Hz, kFlatBelow_Hz), 2);
-  if (frequency_Hz > 300.0) return kBest_m * std::pow(frequency_Hz / 300.0, 2);
-  return kBest_m;
+  if (frequency_Hz < 250.0) return best_m * std::pow(250.0 / std::max(frequency_Hz, flat_below_Hz), 2);
+  if (frequency_Hz > 300.0) return best_m * std::pow(frequency_Hz / 300.0, 2);
+  return best_m;
 }
 
 double Thresholds::vibration_force_N(double frequency_Hz) const {

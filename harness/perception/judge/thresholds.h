@@ -19,7 +19,7 @@
 namespace touchstone::perception {
 
 struct Thresholds {
-  WeberLaw force = kFingertipForce;
+  WeberLaw force = fingertip_force;
   double stiffness_fraction = 0.22;
   // How well a hand knows its depth, as standard deviation of its logarithm: what stands between the 22 % of a person
   // who cannot rely on the depth and the 7 % of one who compares forces, sqrt(ln^2 1.22 - ln^2 1.07). 0: the hand is

@@ -13,10 +13,10 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kAirBefore_s = 0.02;
-constexpr double kAirMargin_s = 0.024;  // around contact: longer than the smoothing of positions
-constexpr std::array<double, 3> kSegments_s{0.256, 0.128, 0.064};
-constexpr std::size_t kWantedSegments = 4;
+constexpr double air_before_s = 0.02;
+constexpr double air_margin_s = 0.024;  // around contact: longer than the smoothing of positions
+constexpr std::array<double, 3> segments_s{0.256, 0.128, 0.064};
+constexpr std::size_t wanted_segments = 4;
 
 // edge: in contact, but soon after or before the air, or where sliding begins, turns or ends: force that the response
 // does not follow is no vibration there.
@@ -31,7 +31,7 @@ struct FastParts {
 // Third-octave band that holds the frequency; -1: none.
 int band_of(double f_Hz) {
   const auto& centres = band_centres_Hz();
-  if (f_Hz < centres.front() / kHalfBandRatio || f_Hz >= centres.back() * kHalfBandRatio) return -1;
+  if (f_Hz < centres.front() / half_band_ratio || f_Hz >= centres.back() * half_band_ratio) return -1;
   const auto band = static_cast<int>(std::lround(3.0 * std::log2(f_Hz / centres.front())));
   return std::clamp(band, 0, static_cast<int>(centres.size()) - 1);
 }
@@ -184,21 +184,21 @@ void mark_edges(std::vector<Phase>& phase, std::size_t margin, Breaks breaks) {
 }
 
 // Speeds below this share of the root mean square in contact are a turn of the hand.
-constexpr double kTurning = 0.3;
-constexpr double kSliding_m_per_s = 0.005;  // root mean square: less is a hand at rest
-constexpr double kEvenDirection_s = 0.1;    // two periods of the lowest vibration that is judged
+constexpr double turning = 0.3;
+constexpr double sliding_m_per_s = 0.005;  // root mean square: less is a hand at rest
+constexpr double even_direction_s = 0.1;   // two periods of the lowest vibration that is judged
 
 // The direction of sliding by a Hann window of 0.1 s, which lets nothing through from 20 Hz on: friction times the
 // tracker's noise in the direction would look like a vibration that the force never had. No window reaches over a turn,
 // where the direction jumps.
 FeltSeries with_even_direction(const FeltSeries& felt, double typical_m_per_s) {
   FeltSeries even = felt;
-  const auto reach = static_cast<std::size_t>(std::round(0.5 * kEvenDirection_s * felt.rate_Hz));
+  const auto reach = static_cast<std::size_t>(std::round(0.5 * even_direction_s * felt.rate_Hz));
   std::vector<double> window(reach + 1);
   for (std::size_t k = 0; k <= reach; ++k) {
     window[k] = 0.5 + 0.5 * std::cos(std::numbers::pi * static_cast<double>(k) / (static_cast<double>(reach) + 1.0));
   }
-  const auto turns = [&](std::size_t i) { return felt.slide_m_per_s[i] < kTurning * typical_m_per_s; };
+  const auto turns = [&](std::size_t i) { return felt.slide_m_per_s[i] < turning * typical_m_per_s; };
   for (std::size_t i = 0; i < felt.size(); ++i) {
     if (turns(i)) continue;
     double weight = window[0];
@@ -233,7 +233,7 @@ FastParts fast_parts(const FeltSeries& felt, const Response& response) {
     }
   }
   const double typical_m_per_s = in_contact > 0.0 ? std::sqrt(squares / in_contact) : 0.0;
-  const bool slides = typical_m_per_s > kSliding_m_per_s;
+  const bool slides = typical_m_per_s > sliding_m_per_s;
   const FeltSeries even = slides ? with_even_direction(felt, typical_m_per_s) : felt;
   for (std::size_t i = 0; i < felt.size(); ++i) {
     const auto expected = expected_force_N(response, even, response.contact_m, i);
@@ -242,11 +242,11 @@ FastParts fast_parts(const FeltSeries& felt, const Response& response) {
   // The band around first contact is neither: a kink is no vibration.
   std::vector<bool> air(felt.size());
   for (std::size_t i = 0; i < felt.size(); ++i) air[i] = parts.phase[i] == Phase::air;
-  mark_edges(parts.phase, static_cast<std::size_t>(std::round(kOnset_s * felt.rate_Hz)),
+  mark_edges(parts.phase, static_cast<std::size_t>(std::round(onset_s * felt.rate_Hz)),
              [&](std::size_t i) { return air[i]; });
   if (slides) {
-    mark_edges(parts.phase, static_cast<std::size_t>(std::round(0.5 * kOnset_s * felt.rate_Hz)),
-               [&](std::size_t i) { return felt.slide_m_per_s[i] < kTurning * typical_m_per_s; });
+    mark_edges(parts.phase, static_cast<std::size_t>(std::round(0.5 * onset_s * felt.rate_Hz)),
+               [&](std::size_t i) { return felt.slide_m_per_s[i] < turning * typical_m_per_s; });
   }
   return parts;
 }
@@ -284,14 +284,14 @@ BandPower window_power(const FastParts& parts, Phase phase, double rate_Hz, std:
 BandPower steady_power(const FastParts& parts, Phase phase, double rate_Hz, std::size_t margin,
                        const Thresholds& thresholds) {
   const auto stretches = runs(parts.phase, phase, margin);
-  for (const double segment_s : kSegments_s) {
+  for (const double segment_s : segments_s) {
     const auto length = static_cast<std::size_t>(std::round(segment_s * rate_Hz));
     if (length < 4) continue;
     std::size_t available = 0;
     for (const auto& [first, end] : stretches) {
       if (end - first >= length) available += 1 + (end - first - length) / std::max<std::size_t>(1, length / 2);
     }
-    if (available < kWantedSegments && segment_s != kSegments_s.back()) continue;
+    if (available < wanted_segments && segment_s != segments_s.back()) continue;
     PowerSum sum(rate_Hz, length, true, thresholds);
     std::optional<std::size_t> last_air;
     std::size_t seen = 0;
@@ -324,17 +324,17 @@ double slope_squares(const Response& response) {
 }
 
 std::vector<double> tracker_power_N2(const FeltSeries& felt, const Response& response, const Thresholds& thresholds) {
-  constexpr int kSteps = 16;  // of each band, midpoint rule
+  constexpr int steps = 16;  // of each band, midpoint rule
   const double density = felt.position_noise_m * felt.position_noise_m / (0.5 * felt.rate_Hz);
   const auto n = static_cast<double>(felt.smoothed_samples);
   const double slopes = slope_squares(response);
   const auto path = felt.replayed_samples > 0 ? parabola_weights(felt.replayed_samples) : std::vector<double>();
   std::vector<double> power;
   for (const double centre : band_centres_Hz()) {
-    const double step_Hz = centre * (kHalfBandRatio - 1.0 / kHalfBandRatio) / kSteps;
+    const double step_Hz = centre * (half_band_ratio - 1.0 / half_band_ratio) / steps;
     double sum = 0.0;
-    for (int i = 0; i < kSteps; ++i) {
-      const double f = centre / kHalfBandRatio + (i + 0.5) * step_Hz;
+    for (int i = 0; i < steps; ++i) {
+      const double f = centre / half_band_ratio + (i + 0.5) * step_Hz;
       if (f >= 0.5 * felt.rate_Hz) break;
       // What the mean of n samples lets pass.
       const double angle = std::numbers::pi * f / felt.rate_Hz;
@@ -368,12 +368,12 @@ FastForce fast_force(const FeltSeries& felt, const Response& response, const Thr
   fast.nyquist_Hz = 0.5 * felt.rate_Hz;
   const FastParts parts = fast_parts(felt, response);
   fast.tracker_N2 = tracker_power_N2(felt, response, thresholds);
-  const auto onset_length = static_cast<std::size_t>(std::round(kOnset_s * felt.rate_Hz));
+  const auto onset_length = static_cast<std::size_t>(std::round(onset_s * felt.rate_Hz));
   fast.contact = steady_power(parts, Phase::contact, felt.rate_Hz, 0, thresholds);
-  const auto air_margin = static_cast<std::size_t>(std::round(kAirMargin_s * felt.rate_Hz));
+  const auto air_margin = static_cast<std::size_t>(std::round(air_margin_s * felt.rate_Hz));
   fast.air = steady_power(parts, Phase::air, felt.rate_Hz, air_margin, thresholds);
 
-  const auto before = static_cast<std::size_t>(std::max(1.0, std::round(kAirBefore_s * felt.rate_Hz)));
+  const auto before = static_cast<std::size_t>(std::max(1.0, std::round(air_before_s * felt.rate_Hz)));
   if (onset_length < 8) return fast;
   fast.between = window_power(parts, Phase::contact, felt.rate_Hz, 0, onset_length, thresholds);
   PowerSum sum(felt.rate_Hz, onset_length, false, thresholds);

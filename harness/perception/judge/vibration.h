@@ -18,8 +18,8 @@
 namespace touchstone::perception {
 
 // Third-octave band from c / 2^(1/6) to c 2^(1/6).
-inline const double kHalfBandRatio = std::exp2(1.0 / 6.0);
-inline constexpr double kOnset_s = 0.064;
+inline const double half_band_ratio = std::exp2(1.0 / 6.0);
+inline constexpr double onset_s = 0.064;
 
 struct BandPower {
   std::vector<double> power_N2;     // mean square of the force in the band, mean over the segments

@@ -14,10 +14,10 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr std::size_t kWantedAir = 4;
-constexpr std::size_t kFewestOnsets = 3;
-constexpr double kCertainErrors = 2.0;  // of a power that is there
-constexpr double kByNoise = 0.05;       // share of identical pairs that may exceed what noise reaches
+constexpr std::size_t wanted_air = 4;
+constexpr std::size_t fewest_onsets = 3;
+constexpr double certain_errors = 2.0;     // of a power that is there
+constexpr double allowed_by_noise = 0.05;  // share of identical pairs that may exceed what noise reaches
 
 // One of the two processes: its power without noise, and what that was made of, the vibration itself first.
 struct ComparedPower {
@@ -30,7 +30,7 @@ struct ComparedPower {
 
   // Where the power without noise lies in a band, octaves from its centre: noise lies at the centre on average.
   [[nodiscard]] double octaves(std::size_t band) const {
-    const double half = std::log2(kHalfBandRatio);
+    const double half = std::log2(half_band_ratio);
     const double moment = factor * parts[0]->power_N2[band] * parts[0]->octaves[band];
     return power_N2[band] > 0.0 ? std::clamp(moment / power_N2[band], -half, half) : 0.0;
   }
@@ -42,7 +42,7 @@ struct BandRange {
   double threshold_factor = 1.0;
 
   [[nodiscard]] bool holds(double centre_Hz) const {
-    return centre_Hz >= lowest_Hz && centre_Hz * kHalfBandRatio <= highest_Hz;
+    return centre_Hz >= lowest_Hz && centre_Hz * half_band_ratio <= highest_Hz;
   }
   // Mean square of the sine that is just felt.
   [[nodiscard]] double threshold_N2(double centre_Hz, const Thresholds& thresholds) const {
@@ -214,7 +214,7 @@ VibrationDifference difference(const ComparedPower& real, const ComparedPower& r
   }
   const double real_sum = std::max(0.0, sums[0]);
   const double rendered_sum = std::max(0.0, sums[1]);
-  const double share = 1.0 - kByNoise / looks;
+  const double share = 1.0 - allowed_by_noise / looks;
   const double reach = stats::f_quantile(share, 1.0, errors.degrees);
   const double apart = rendered_sum - real_sum;
   const SquaredEvidence strength{apart * apart, apart * apart - reach * errors.of_sum, errors.of_sum, errors.of_sum};
@@ -226,24 +226,25 @@ VibrationDifference difference(const ComparedPower& real, const ComparedPower& r
   result.measured_jnd = std::sqrt(std::max(0.0, better.square)) / observer;
   // As a normal error with the same reach. That the looks share 5 % is for what is found, not for how much may be
   // hidden.
-  constexpr double kNormal95 = 1.959964;
-  const double errors_reached =
-      better.exceeds > 0.0 ? std::sqrt(reach) : std::sqrt(stats::f_quantile(1.0 - kByNoise, 1.0, errors.degrees));
-  result.standard_error = errors_reached * std::sqrt(better.variance) / (kNormal95 * observer);
+  constexpr double normal95 = 1.959964;
+  const double errors_reached = better.exceeds > 0.0
+                                    ? std::sqrt(reach)
+                                    : std::sqrt(stats::f_quantile(1.0 - allowed_by_noise, 1.0, errors.degrees));
+  result.standard_error = errors_reached * std::sqrt(better.variance) / (normal95 * observer);
   result.by_hand = errors.of_hands > 0.5 * errors.of_sum;
   result.allowed_N =
       result.threshold_N * (std::sqrt(real_most + scale.noticed_from(real_sum + beside)) - std::sqrt(real_most));
-  constexpr double kOneStrength = 0.25;  // of the stronger's power: what differs is the frequency
-  if (&better == &spread && std::min(strongest[0], strongest[1]) > kOneStrength * std::max(strongest[0], strongest[1]))
+  constexpr double one_strength = 0.25;  // of the stronger's power: what differs is the frequency
+  if (&better == &spread && std::min(strongest[0], strongest[1]) > one_strength * std::max(strongest[0], strongest[1]))
     result.pitch = pitch;
   return result;
 }
 
 // Power of white noise of 1 N^2/Hz in a band, weighted as all power is (Simpson's rule).
 double white_power_Hz(double centre_Hz, const Thresholds& thresholds) {
-  const double width_Hz = centre_Hz * (kHalfBandRatio - 1.0 / kHalfBandRatio);
-  const double mean_weight = (band_weight(centre_Hz / kHalfBandRatio, centre_Hz, thresholds) + 4.0 +
-                              band_weight(centre_Hz * kHalfBandRatio, centre_Hz, thresholds)) /
+  const double width_Hz = centre_Hz * (half_band_ratio - 1.0 / half_band_ratio);
+  const double mean_weight = (band_weight(centre_Hz / half_band_ratio, centre_Hz, thresholds) + 4.0 +
+                              band_weight(centre_Hz * half_band_ratio, centre_Hz, thresholds)) /
                              6.0;
   return width_Hz * mean_weight;
 }
@@ -253,13 +254,13 @@ double white_power_Hz(double centre_Hz, const Thresholds& thresholds) {
 std::vector<double> sensor_noise_N2(const BandPower& air, double nyquist_Hz, const Thresholds& thresholds) {
   const auto& centres = band_centres_Hz();
   std::vector<double> density;
-  for (std::size_t b = 0; b < centres.size() && centres[b] * kHalfBandRatio <= nyquist_Hz; ++b)
+  for (std::size_t b = 0; b < centres.size() && centres[b] * half_band_ratio <= nyquist_Hz; ++b)
     density.push_back(air.power_N2[b] / white_power_Hz(centres[b], thresholds));
   std::vector<double> noise(centres.size(), 0.0);
-  constexpr std::size_t kReach = 3;
+  constexpr std::size_t reach_bands = 3;
   for (std::size_t b = 0; b < density.size(); ++b) {
-    const std::size_t first = b < kReach ? 0 : b - kReach;
-    const std::size_t last = std::min(density.size(), b + kReach + 1);
+    const std::size_t first = b < reach_bands ? 0 : b - reach_bands;
+    const std::size_t last = std::min(density.size(), b + reach_bands + 1);
     noise[b] = stats::median({density.begin() + static_cast<std::ptrdiff_t>(first),
                               density.begin() + static_cast<std::ptrdiff_t>(last)}) *
                white_power_Hz(centres[b], thresholds);
@@ -296,12 +297,12 @@ struct HandRatio {
   // `decaying_N2` of a rendered process at the real one's hand: its power, and how far the law of growth may be off in
   // the direction of `real_N2`, as standard error.
   [[nodiscard]] std::pair<double, double> at_real_hand(double decaying_N2, double steady_N2, double real_N2) const {
-    constexpr double kBound = 0.5;  // a bound is two standard errors
+    constexpr double bound = 0.5;  // a bound is two standard errors
     const GrowthBounds growth = growth_bounds(speed, 2.0);
     const double scaled_N2 = decaying_N2 * growth.by_law / time;
     const bool more = real_N2 > steady_N2 + scaled_N2;
     const double bound_N2 = more ? std::max(growth.most / time, 1.0) : std::min(growth.least / time, 1.0);
-    return {scaled_N2, kBound * std::abs(decaying_N2 * bound_N2 - scaled_N2)};
+    return {scaled_N2, bound * std::abs(decaying_N2 * bound_N2 - scaled_N2)};
   }
   // What an error of the power at the rendered hand comes to at the real one's, beyond that error itself.
   [[nodiscard]] double error_factor() const {
@@ -311,7 +312,7 @@ struct HandRatio {
 };
 
 HandRatio hands_of(const FastForce& real, const FastForce& rendered) {
-  if (real.onsets < kFewestOnsets || rendered.onsets < kFewestOnsets) return {};
+  if (real.onsets < fewest_onsets || rendered.onsets < fewest_onsets) return {};
   const auto time_of = [](const FastForce& fast) {
     return fast.contact.segment_s * static_cast<double>(fast.contact.segments) / static_cast<double>(fast.onsets);
   };
@@ -322,15 +323,15 @@ HandRatio hands_of(const FastForce& real, const FastForce& rendered) {
 // The windows of `contact` that begin so late after contact that what rings has died away; where there are few, the
 // later half if it is later by a longer ring than the early ones show.
 std::vector<std::size_t> late_windows(const BandPower& contact) {
-  constexpr double kRings_s = 0.25;
-  constexpr double kLater_s = 0.05;
-  constexpr std::size_t kFewestLate = 3;
+  constexpr double rings_s = 0.25;
+  constexpr double later_s = 0.05;
+  constexpr std::size_t fewest_late = 3;
   std::vector<double> since = contact.since_contact_s;
   std::sort(since.begin(), since.end());
-  double from_s = kRings_s;
-  if (since.size() < kFewestLate || since[since.size() - kFewestLate] < kRings_s) {
+  double from_s = rings_s;
+  if (since.size() < fewest_late || since[since.size() - fewest_late] < rings_s) {
     from_s = since[since.size() / 2];
-    if (!(from_s - since.front() > kLater_s)) return {};
+    if (!(from_s - since.front() > later_s)) return {};
   }
   std::vector<std::size_t> late;
   for (std::size_t w = 0; w < contact.segments; ++w) {
@@ -358,7 +359,7 @@ void take_to_hand(ComparedPower& rendered, const ComparedPower& real, const Hand
   const std::vector<std::size_t> late = late_windows(*rendered.parts[0]);
   for (std::size_t b = 0; b < rendered.power_N2.size(); ++b) {
     auto [decaying, error_N2] = decaying_N2(*rendered.parts[0], late, rendered.power_N2[b], b);
-    if (decaying < kCertainErrors * error_N2) decaying = 0.0;
+    if (decaying < certain_errors * error_N2) decaying = 0.0;
     const double steady_N2 = rendered.power_N2[b] - decaying;
     const auto [scaled_N2, growth_N2] = hands.at_real_hand(decaying, steady_N2, real.power_N2[b]);
     rendered.power_N2[b] = steady_N2 + scaled_N2;
@@ -372,7 +373,7 @@ void take_to_hand(ComparedPower& rendered, const ComparedPower& real, const Hand
 VibrationDifference vibration_difference(const FastForce& real, const FastForce& rendered, double noise_N2_per_Hz,
                                          const Thresholds& thresholds) {
   if (real.contact.segments == 0 || rendered.contact.segments == 0) return {};
-  const bool own_air = real.air.segments >= kWantedAir && rendered.air.segments >= kWantedAir;
+  const bool own_air = real.air.segments >= wanted_air && rendered.air.segments >= wanted_air;
   const BandPower& more_air = real.air.segments >= rendered.air.segments ? real.air : rendered.air;
   const double looks = own_air ? 4.0 : 2.0;
   const double highest_Hz = std::min(real.nyquist_Hz, rendered.nyquist_Hz);
@@ -401,7 +402,7 @@ VibrationDifference vibration_difference(const FastForce& real, const FastForce&
 
 VibrationDifference transient_difference(const FastForce& real, const FastForce& rendered,
                                          const Thresholds& thresholds) {
-  if (real.onsets < kFewestOnsets || rendered.onsets < kFewestOnsets) return {};
+  if (real.onsets < fewest_onsets || rendered.onsets < fewest_onsets) return {};
   const std::size_t bands = band_centres_Hz().size();
   const HandRatio hands{real.onset_speed_m_per_s / rendered.onset_speed_m_per_s};
   const auto burst = [&](const FastForce& fast, double factor) {
@@ -417,7 +418,7 @@ VibrationDifference transient_difference(const FastForce& real, const FastForce&
   for (std::size_t b = 0; b < bands; ++b) {
     // What is not certain to be there does not grow, but for its error.
     const double error_N2 = std::sqrt(rendered.onset.variance_N4[b]);
-    const double above_N2 = other.power_N2[b] < kCertainErrors * error_N2 ? 0.0 : other.power_N2[b];
+    const double above_N2 = other.power_N2[b] < certain_errors * error_N2 ? 0.0 : other.power_N2[b];
     const double growth_N2 = hands.at_real_hand(above_N2, 0.0, own.power_N2[b]).second;
     other.power_N2[b] *= other.factor;
     other.hand_N2[b] = growth_N2;
@@ -431,7 +432,7 @@ VibrationDifference transient_difference(const FastForce& real, const FastForce&
     for (std::size_t b = 0; b < bands; ++b) masker_N2[b] = std::max(masker_N2[b], steady.power_N2[b]);
   }
   const BandRange range{39.0, std::min(real.nyquist_Hz, rendered.nyquist_Hz),
-                        std::sqrt(std::max(1.0, thresholds.vibration_integration_s / kOnset_s))};
+                        std::sqrt(std::max(1.0, thresholds.vibration_integration_s / onset_s))};
   return difference(own, other, masker_N2, range, 2.0, thresholds);
 }
 

@@ -19,7 +19,7 @@ namespace touchstone::perception {
 
 // What `Thresholds::vibration_fraction` was measured at: a vibration 10 dB above threshold, a staircase of three down
 // and one up (79 % of two-alternative choices right).
-inline constexpr double kVibrationLevel_dB = 10.0;
+inline constexpr double vibration_level_dB = 10.0;
 double vibration_criterion_d_prime();
 
 class VibrationScale {

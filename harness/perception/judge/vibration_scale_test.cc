@@ -18,7 +18,7 @@ TEST(Procedure, GivesTheSharesAndDPrimesOfPublishedTables) {
   EXPECT_NEAR(d_prime_of_forced_choice(0.7602), 1.0, 1e-3);
   EXPECT_NEAR(d_prime_of_one_interval(0.6915), 1.0, 1e-3);
   EXPECT_NEAR(d_prime_of_forced_choice(0.634, 3), 1.0, 5e-3);
-  EXPECT_NEAR(d_prime_of_forced_choice(kThreeDownOneUp), std::numbers::sqrt2 * 0.8193, 1e-3);
+  EXPECT_NEAR(d_prime_of_forced_choice(three_down_one_up), std::numbers::sqrt2 * 0.8193, 1e-3);
   EXPECT_EQ(d_prime_of_forced_choice(0.5), 0.0);
   // Two alternatives by the integral and by the closed form.
   EXPECT_NEAR(d_prime_of_forced_choice(0.9, 2), std::numbers::sqrt2 * 1.2815515655, 1e-9);
@@ -30,21 +30,21 @@ TEST(Procedure, MakesTwoThresholdsOfOneQuantityAgree) {
   const auto at_unity = [](double fraction, double share) {
     return std::expm1(std::log1p(fraction) / d_prime_of_forced_choice(share));
   };
-  EXPECT_NEAR(at_unity(0.19, kTwoDownOneUp) / at_unity(0.34, 0.84), 1.0, 0.1);
+  EXPECT_NEAR(at_unity(0.19, two_down_one_up) / at_unity(0.34, 0.84), 1.0, 0.1);
 }
 
 TEST(Procedure, SimulatedObserversOfThreeAlternativesAreRightAsOftenAsItSays) {
-  const double d = d_prime_of_forced_choice(kTwoDownOneUp, 3);
+  const double d = d_prime_of_forced_choice(two_down_one_up, 3);
   Random random(5);
-  constexpr int kTrials = 40000;
+  constexpr int trials = 40000;
   int right = 0;
-  for (int t = 0; t < kTrials; ++t) {
+  for (int t = 0; t < trials; ++t) {
     const double signal = d + random.normal();
     const double first = random.normal();
     right += signal > first && signal > random.normal() ? 1 : 0;
   }
   // Three standard errors of a share.
-  EXPECT_NEAR(right / static_cast<double>(kTrials), kTwoDownOneUp, 3.0 * 0.5 / std::sqrt(kTrials));
+  EXPECT_NEAR(right / static_cast<double>(trials), two_down_one_up, 3.0 * 0.5 / std::sqrt(trials));
 }
 
 TEST(VibrationScale, HoldsBothPublishedFigures) {

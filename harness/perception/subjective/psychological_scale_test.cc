@@ -18,8 +18,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::vector<std::string> kSix{"a", "b", "c", "d", "e", "f"};
-const std::vector<double> kDistances{0.0, 0.4, 0.9, 1.2, 1.9, 2.4};
+const std::vector<std::string> six{"a", "b", "c", "d", "e", "f"};
+const std::vector<double> true_distances{0.0, 0.4, 0.9, 1.2, 1.9, 2.4};
 
 // Answers in the exact proportions of a model: `n` repetitions of each ordered pair, rounded nowhere because the wins
 // are given as weights of repeated answers.
@@ -49,7 +49,7 @@ TEST(BradleyTerry, TwoConditionsHaveAClosedForm) {
 }
 
 TEST(BradleyTerry, TheScoreVanishesAtTheMaximum) {
-  const auto answers = simulate_answers(kSix, kDistances, 40, {1.0, 0.0, 0.3, 0.0}, 11);
+  const auto answers = simulate_answers(six, true_distances, 40, {1.0, 0.0, 0.3, 0.0}, 11);
   const auto scale = bradley_terry(answers);
   EXPECT_THAT(scale.remark, "");
   // Likelihood equations: every condition wins as often as the model expects, and so does what comes first.
@@ -73,15 +73,15 @@ TEST(BradleyTerry, TheScoreVanishesAtTheMaximum) {
 TEST(Scales, RecoverTheSimulatedDistancesAndTheOrderEffect) {
   // Thurstone's unit is the standard deviation of one difference: sqrt(2) of the noise of one felt distance.
   const double noise = 1.0 / std::sqrt(2.0);
-  const auto answers = simulate_answers(kSix, kDistances, 400, {noise, 0.0, 0.25, 0.0}, 5);
+  const auto answers = simulate_answers(six, true_distances, 400, {noise, 0.0, 0.25, 0.0}, 5);
   const auto thurstone = thurstone_case_v(answers);
   const auto terry = bradley_terry(answers);
   for (std::size_t i = 1; i < 6; ++i) {
     const double reach = 4.0 * std::hypot(thurstone.standard_error[i], thurstone.standard_error[0]) + 0.04;
-    EXPECT_NEAR(thurstone.value[0] - thurstone.value[i], kDistances[i], reach);
+    EXPECT_NEAR(thurstone.value[0] - thurstone.value[i], true_distances[i], reach);
     EXPECT_LT(terry.value[i], terry.value[i - 1]);
     // The logistic is close to the normal of 1.7 times the scale, not equal.
-    EXPECT_NEAR(terry.value[0] - terry.value[i], 1.7 * kDistances[i], 0.25 + 0.1 * kDistances[i]);
+    EXPECT_NEAR(terry.value[0] - terry.value[i], 1.7 * true_distances[i], 0.25 + 0.1 * true_distances[i]);
   }
   EXPECT_NEAR(terry.order_effect, 1.7 * 0.25, 4.0 * terry.order_effect_error + 0.03);
   EXPECT_GT(terry.order_effect, 5.0 * terry.order_effect_error);
@@ -92,7 +92,7 @@ TEST(Scales, TheJackknifeTellsTheSpreadOverRepetitions) {
   std::vector<double> values;
   std::vector<double> errors;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
-    const auto scale = bradley_terry(simulate_answers(kSix, kDistances, 20, {1.0, 0.0, 0.0, 0.2}, 100 + seed));
+    const auto scale = bradley_terry(simulate_answers(six, true_distances, 20, {1.0, 0.0, 0.0, 0.2}, 100 + seed));
     values.push_back(scale.value[0]);
     errors.push_back(scale.standard_error[0]);
   }
@@ -138,7 +138,7 @@ TEST(Scales, ConditionsThatWereNeverComparedHaveNoScale) {
 }
 
 TEST(Scales, TheCurveGoesThroughTheFittedFractions) {
-  const auto answers = simulate_answers(kSix, kDistances, 200, {1.0, 0.0, 0.0, 0.0}, 21);
+  const auto answers = simulate_answers(six, true_distances, 200, {1.0, 0.0, 0.0, 0.0}, 21);
   const auto fractions = answers.fraction_preferred();
   const auto scale = bradley_terry(answers);
   for (std::size_t i = 0; i < 6; ++i) {
@@ -160,7 +160,7 @@ TEST(CircularTriads, KnownCounts) {
   EXPECT_EQ(circular_triads(circle)[0].triads, 1.0);
   EXPECT_EQ(circular_triads(circle)[0].consistence, 0.0);
   // Guessing: the expected number of circular triads is a quarter of all triads (Kendall and Babington Smith).
-  const auto guesses = simulate_answers(kSix, std::vector<double>(6, 1.0), 400, {1.0, 1e9, 0.0, 0.0}, 9);
+  const auto guesses = simulate_answers(six, std::vector<double>(6, 1.0), 400, {1.0, 1e9, 0.0, 0.0}, 9);
   double sum = 0.0;
   for (const auto& own : circular_triads(guesses)) sum += own.triads / 400.0;
   EXPECT_NEAR(sum, 20.0 / 4.0, 0.25);
@@ -201,7 +201,7 @@ class Answers : public ::testing::Test {
 };
 
 TEST_F(Answers, GoRoundThroughTheFile) {
-  const auto answers = simulate_answers(kSix, kDistances, 3, {1.0, 0.0, 0.0, 0.0}, 3);
+  const auto answers = simulate_answers(six, true_distances, 3, {1.0, 0.0, 0.0, 0.0}, 3);
   const auto read = read_answers(write(format_answers(answers)));
   EXPECT_EQ(format_answers(read), format_answers(answers));
   EXPECT_EQ(read.wins(), answers.wins());

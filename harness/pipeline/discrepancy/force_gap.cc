@@ -31,7 +31,7 @@ MeasuredGap measure_gap(const discrepancy::SearchResult& search, const discrepan
 }
 
 double left_in_jnd(const discrepancy::Evidence& held_out, const rendering::Prediction& prediction) {
-  constexpr perception::WeberLaw fingertip = perception::kFingertipForce;
+  constexpr perception::WeberLaw fingertip = perception::fingertip_force;
   const std::vector<Vec3>& measured = held_out.recording->f_W_N;
   const std::vector<double>& t_s = held_out.recording->motion.t_s;
   double sum = 0.0;

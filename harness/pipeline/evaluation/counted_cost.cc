@@ -50,8 +50,8 @@ std::vector<MetricResult> count_of_steps(const rendering::Catalogue& catalogue, 
     one.status = metrics::MetricStatus::ok;
     one.meaning = meaning;
     one.note = counted.not_counted.empty()
-                   ? std::string(rendering::kHowSearchesAreCounted)
-                   : fmt::format("{}; not counted: {}", rendering::kHowSearchesAreCounted, counted.not_counted);
+                   ? std::string(rendering::how_searches_are_counted)
+                   : fmt::format("{}; not counted: {}", rendering::how_searches_are_counted, counted.not_counted);
     out.push_back(std::move(one));
   }
   return out;

@@ -16,7 +16,7 @@ using report::EvaluationResult;
 
 namespace {
 
-constexpr double kMu = 0.25;
+constexpr double true_mu = 0.25;
 
 double value_of(const EvaluationResult& result, const std::string& name) {
   const metrics::MetricResult& metric = find_result(result.metrics, name);
@@ -50,7 +50,7 @@ EvaluationRequest friction_request(const std::string& folder, const Recording& r
 // The derivation of in_trajectory.h: a proxy with friction that gets the whole force answers it at the measured place;
 // fed equation 2 it stays mu F_n / k behind.
 TEST(FairInput, AProxyWithFrictionNeedsTheWholeForce) {
-  EvaluationRequest request = friction_request("touchstone-whole-force", stroke(kMu), kMu);
+  EvaluationRequest request = friction_request("touchstone-whole-force", stroke(true_mu), true_mu);
   request.in_trajectory = InTrajectoryMode::whole_force;
   const EvaluationResult whole = run_evaluation(built_in(), request, "");
   // The force changes by 0.5 mN in a step, which moves the border of the cone by that much.
@@ -59,15 +59,15 @@ TEST(FairInput, AProxyWithFrictionNeedsTheWholeForce) {
   request.in_trajectory = InTrajectoryMode::synthesize;
   const EvaluationResult normal = run_evaluation(built_in(), request, "");
   // 2 N on average: mu F_n / k is 1 mm.
-  EXPECT_GT(value_of(normal, "rms_position_error"), 0.9 * kMu * 2.0 / 500.0);
+  EXPECT_GT(value_of(normal, "rms_position_error"), 0.9 * true_mu * 2.0 / 500.0);
 }
 
 // A ball recorded the stroke, its centre 3 mm above the plate; renderers get the point at which it touched. Nothing is
 // wrong with that.
 TEST(FairInput, ABallWhosePointOfContactIsAskedForIsNotMisplaced) {
-  Recording ball = stroke(kMu);
+  Recording ball = stroke(true_mu);
   for (Vec3& p : ball.motion.p_W_m) p.z() += 0.003;
-  EvaluationRequest request = friction_request("touchstone-ball-point", ball, kMu);
+  EvaluationRequest request = friction_request("touchstone-ball-point", ball, true_mu);
   request.tip_radius_m = 0.0;
   request.probe_radius_m = 0.003;
   EXPECT_TRUE(load_inputs(built_in(), request).messages.empty());
@@ -77,7 +77,7 @@ TEST(FairInput, ABallWhosePointOfContactIsAskedForIsNotMisplaced) {
 
 // What is taken where the user chooses nothing.
 TEST(FairInput, TheUsualInputIsTheRenderers) {
-  rendering::Model cone = friction_request("touchstone-usual", stroke(kMu), kMu).model;
+  rendering::Model cone = friction_request("touchstone-usual", stroke(true_mu), true_mu).model;
   EXPECT_TRUE(has_friction_in_proxy(built_in(), cone));
   cone.parameters["mu_static"] = cone.parameters["mu_dynamic"] = 0.0;
   EXPECT_FALSE(has_friction_in_proxy(built_in(), cone));
@@ -92,11 +92,11 @@ TEST(FairInput, TheUsualInputIsTheRenderers) {
 // And the other way round: without friction in the proxy equation 2 leads to the measured place, the whole force
 // |F_t| / k beside it.
 TEST(FairInput, AProxyWithoutFrictionNeedsTheNormalForce) {
-  EvaluationRequest request = friction_request("touchstone-normal-force", stroke(kMu), 0.0);
+  EvaluationRequest request = friction_request("touchstone-normal-force", stroke(true_mu), 0.0);
   request.in_trajectory = InTrajectoryMode::synthesize;
   EXPECT_LT(value_of(run_evaluation(built_in(), request, ""), "max_position_error"), 1e-12);
   request.in_trajectory = InTrajectoryMode::whole_force;
-  EXPECT_NEAR(value_of(run_evaluation(built_in(), request, ""), "mean_position_error"), kMu * 2.0 / 500.0, 1e-4);
+  EXPECT_NEAR(value_of(run_evaluation(built_in(), request, ""), "mean_position_error"), true_mu * 2.0 / 500.0, 1e-4);
 }
 
 // Without friction in the recording both are the same input.
@@ -137,7 +137,7 @@ TEST(FairInput, TheDucksOwnModelScoresHalfWithTheWholeForce) {
 }
 
 TEST(FairInput, EveryResultSaysItsInput) {
-  EvaluationRequest request = friction_request("touchstone-said", stroke(kMu), kMu);
+  EvaluationRequest request = friction_request("touchstone-said", stroke(true_mu), true_mu);
   request.in_trajectory = InTrajectoryMode::whole_force;
   const auto folder = fresh_folder("touchstone-said-out");
   const EvaluationResult result = evaluate_into(built_in(), request, folder);

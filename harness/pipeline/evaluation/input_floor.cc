@@ -105,7 +105,7 @@ ContactNormal contact_normal(const surface::TriangleMesh& mesh, const SmoothNorm
   // An edge of the body is no error of the mesh: the ball rolls about it, in the world as on the mesh. At an edge of
   // the tessellation the smooth normal lies between the facets as the pseudo-normal does; at one of the body it is that
   // of the one side, half of the edge's angle away, and an edge is of the body from SmoothNormals' angle on.
-  const bool of_the_body = at.n_W.dot(body) < std::cos(0.5 * SmoothNormals::kSharp_rad);
+  const bool of_the_body = at.n_W.dot(body) < std::cos(0.5 * SmoothNormals::sharp_rad);
   return {n, of_the_body ? Quat::Identity() : shortest_rotation(n, body)};
 }
 

@@ -51,7 +51,7 @@ struct FloorWorld {
   discrepancy::InstrumentDescription instrument;
 };
 
-inline constexpr std::size_t kFloorDraws = 39;
+inline constexpr std::size_t floor_draws = 39;
 
 // What a rendering of a simulated recording scores; `out` is that recording's way over the surface.
 using FloorScore = std::function<double(const std::vector<Vec3>& rendered_W_N, const recording::Recording& recording,
@@ -60,10 +60,10 @@ using FloorScore = std::function<double(const std::vector<Vec3>& rendered_W_N, c
 // Deterministic in `seed`. One floor for each score, of the same draws.
 std::vector<Floor> floors_of(const rendering::Catalogue& catalogue, const FloorWorld& world,
                              const std::vector<FloorScore>& scores, std::uint64_t seed,
-                             std::size_t draws = kFloorDraws);
+                             std::size_t draws = floor_draws);
 // Of the RMS error. Samples outside of `ranges` are rendered, not scored; throws BadData if none lies within.
 Floor floor_of(const rendering::Catalogue& catalogue, const FloorWorld& world, const metrics::TimeRanges& ranges,
-               std::uint64_t seed, std::size_t draws = kFloorDraws);
+               std::uint64_t seed, std::size_t draws = floor_draws);
 
 // The world of a request whose recording has forces and whose model names the law; `instrument` "" estimates it from
 // the recording. `mu` empty: 0. Throws BadData for a recording without forces.

@@ -11,7 +11,7 @@ using metrics::MetricResult;
 
 namespace {
 
-constexpr std::size_t kMostSamples = 2'000'000;  // 300 MB
+constexpr std::size_t most_samples = 2'000'000;  // 300 MB
 
 }  // namespace
 
@@ -32,7 +32,7 @@ bool is_perceived_metric(std::string_view name) { return std::ranges::count(perc
 
 void PerceivedQuality::add(const metrics::MetricSample& sample, const Vec3& p_W_m) {
   noticeable_.add(sample);
-  cut_ = recording_.motion.t_s.size() == kMostSamples;
+  cut_ = recording_.motion.t_s.size() == most_samples;
   if (cut_) return;
   recording_.motion.t_s.push_back(sample.t_s);
   recording_.motion.p_W_m.push_back(p_W_m);
@@ -45,7 +45,7 @@ std::vector<MetricResult> PerceivedQuality::results(std::span<const std::string>
   recording_.source = "the recording";
   for (MetricResult& result : perception::press_metrics(recording_, f_rendered_W_N_)) {
     if (cut_ && result.status == metrics::MetricStatus::ok)
-      result.note += fmt::format("{}of the first {} samples", result.note.empty() ? "" : "; ", kMostSamples);
+      result.note += fmt::format("{}of the first {} samples", result.note.empty() ? "" : "; ", most_samples);
     all.push_back(std::move(result));
   }
   if (!has_force) {

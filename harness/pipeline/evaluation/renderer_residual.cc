@@ -14,7 +14,7 @@
 namespace touchstone::pipeline {
 namespace {
 
-constexpr std::size_t most_samples = 120'000, fewest_samples = 200;
+constexpr std::size_t most_residual_samples = 120'000, fewest_samples = 200;
 
 std::optional<Found> find_axes(const ResidualSeries& r) {
   constexpr std::array<std::array<int, 3>, 6> orders{
@@ -187,7 +187,8 @@ std::string also_considered(const std::vector<Found>& repairs) {
 }  // namespace
 
 void RendererResidual::add(const metrics::MetricSample& sample, const Vec3& tip_W_m) {
-  if (t_s_.size() >= most_samples || !sample.f_measured_W_N.allFinite() || !sample.f_rendered_W_N.allFinite()) return;
+  if (t_s_.size() >= most_residual_samples || !sample.f_measured_W_N.allFinite() || !sample.f_rendered_W_N.allFinite())
+    return;
   if (!t_s_.empty() && !(sample.t_s > t_s_.back())) return;
   t_s_.push_back(sample.t_s);
   tip_W_m_.push_back(tip_W_m);

@@ -106,7 +106,7 @@ class Collector {
     const double error = has_force_ ? (m.f_measured_W_N - m.f_rendered_W_N).norm() : (m.contact_W_m - m.out_W_m).norm();
     if (sample.touching) {
       errors_.add(sample.surface_W_m, error);
-      const double jnd_N = perception::kFingertipForce.just_noticeable_difference(m.f_measured_W_N.norm());
+      const double jnd_N = perception::fingertip_force.just_noticeable_difference(m.f_measured_W_N.norm());
       if (has_force_) noticed_.add(sample.surface_W_m, error > jnd_N ? 1.0 : 0.0);
       touched_.extend(sample.surface_W_m);
     }

@@ -36,7 +36,7 @@ pc::JudgeOptions judge_options(const JudgeSettings& options) {
   for (const auto& name : options.without) {
     std::string known;
     bool found = false;
-    for (std::size_t c = 0; c < pc::kChannels; ++c) {
+    for (std::size_t c = 0; c < pc::channel_count; ++c) {
       const auto channel = static_cast<pc::Channel>(c);
       known += fmt::format("{}{}", c == 0 ? "" : ", ", pc::name_of(channel));
       if (name != pc::name_of(channel)) continue;

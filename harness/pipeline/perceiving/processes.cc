@@ -113,7 +113,7 @@ void check_real(const PerceiveRequest& request, const Recording& real, const Sur
   context.surface = surface;
   context.mesh_unit = request.mesh_unit;
   context.force_flipped = request.flip_force;
-  context.contact_force_N = perception::kFingertipForce.absolute_threshold;
+  context.contact_force_N = perception::fingertip_force.absolute_threshold;
   for (std::string& remark : recording_checks::refuse_faulty(real, context)) notes.push_back(std::move(remark));
 }
 
@@ -138,9 +138,9 @@ std::vector<report::InputFile> described(const RolesAndFiles& role_and_file) {
 
 std::shared_ptr<const Surface> rendered_object(const PerceiveRequest& request, const Recording& real,
                                                std::vector<std::string>& notes) {
-  constexpr double kFew = 1e-3;             // less is noise at the border
-  constexpr double kShareOfDiagonal = 0.1;  // as `evaluate` has it
-  constexpr std::size_t kLookedAt = 4000;
+  constexpr double few = 1e-3;               // less is noise at the border
+  constexpr double share_of_diagonal = 0.1;  // as `evaluate` has it
+  constexpr std::size_t looked_at = 4000;
   surface::TriangleMesh mesh = surface::load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
   std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
   const bool asked = !request.extend_edges.empty();
@@ -153,15 +153,15 @@ std::shared_ptr<const Surface> rendered_object(const PerceiveRequest& request, c
     if (topology.open_edge_count == 0 || !topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty())
       return surface;
     std::vector<Vec3> touching;
-    const std::size_t stride = 1 + real.f_W_N.size() / kLookedAt;
+    const std::size_t stride = 1 + real.f_W_N.size() / looked_at;
     for (std::size_t i = 0; i < real.f_W_N.size(); i += stride) {
-      if (real.f_W_N[i].norm() > perception::kFingertipForce.absolute_threshold)
+      if (real.f_W_N[i].norm() > perception::fingertip_force.absolute_threshold)
         touching.push_back(real.motion.p_W_m[i]);
     }
     share = share_at_open_edges(*surface, topology, touching);
-    if (share <= kFew) return surface;
+    if (share <= few) return surface;
   }
-  const double width_m = asked_m > 0.0 ? asked_m : kShareOfDiagonal * mesh.bounds().diagonal().norm();
+  const double width_m = asked_m > 0.0 ? asked_m : share_of_diagonal * mesh.bounds().diagonal().norm();
   mesh = extend_open_edges(weld_coincident_vertices(mesh), width_m);
   if (!asked) {
     notes.push_back(

@@ -20,9 +20,9 @@ struct PaperSettings {
   std::optional<double> explained_share;  // of the variance, by the dimensions; 0.9 if not given, as in the paper
   double rate_Hz = 0.0;                   // common to all recordings; 0: the real recording's median rate
   double dead_zone_N = 0.0;               // of the force sensor
-  double band_Hz = perception::kFingerBandHigh_Hz;  // output band of the finger; 0: none
-  double duration_tolerance = 0.2;                  // share of the real process's duration
-  std::size_t window = perception::kRateHardnessWindow;
+  double band_Hz = perception::finger_band_high_Hz;  // output band of the finger; 0: none
+  double duration_tolerance = 0.2;                   // share of the real process's duration
+  std::size_t window = perception::default_rate_hardness_window;
   bool hardness_in_band = false;
 };
 
