@@ -180,6 +180,18 @@ std::string rank_text(const RankedRenderer& ranked) {
                                                : fmt::format("{}-{}", ranked.best_rank, ranked.worst_rank);
 }
 
+std::vector<std::size_t> indistinguishable(const Task& task) {
+  const auto felt = [&](std::size_t i) { return task.entries[i].scores.rms_force_error_jnd; };
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < task.entries.size(); ++i) {
+    if (task.entries[i].state == EntryState::ran && std::isfinite(felt(i))) which.push_back(i);
+  }
+  std::ranges::stable_sort(which, {}, felt);
+  while (which.size() > 1 && felt(which[which.size() - 2]) + felt(which.back()) > 1.0) which.pop_back();
+  if (which.size() < 2) which.clear();
+  return which;
+}
+
 std::string rank_text(const Task& task, std::size_t entry) {
   if (!task.ranking) return "";
   for (const RankedRenderer& one : task.ranking->order) {
