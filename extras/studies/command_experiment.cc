@@ -274,28 +274,25 @@ void add_cost(CLI::App& experiment, apps::Run& run) {
 }
 
 struct PerceptionBenchCommand {
-  std::string out;
+  SeededOptions seeded;
   experiments::PerceptionBenchOptions bench;
 };
 
 ExitStatus run_perception(const PerceptionBenchCommand& options) {
-  if (!options.out.empty()) ensure_writable_folder(options.out);
-  const auto run_against = [&options](experiments::BenchTruth truth, std::string_view said) {
-    auto own = options.bench;
-    own.truth = truth;
-    Progress progress("runs", experiments::bench_runs(own));
-    auto bench = experiments::run_perception_bench(own, [&progress](std::size_t done) { progress.update(done); });
-    fmt::print("{}\n{}\n", said, experiments::perception_bench_table(bench));
-    return bench;
-  };
-  const auto bench = run_against(experiments::BenchTruth::thresholds, "Answers by the judge's own thresholds:");
-  const auto published = run_against(experiments::BenchTruth::experiments, "Answers by published experiments:");
-  if (options.out.empty()) return ExitStatus::passed;
-  const std::filesystem::path out = options.out;
+  const SeededRun run = run_seeded(experiments::seeded_perception(options.bench), options.seeded, "perception");
+  if (run.seeds.empty()) return run.status;
+  const auto bench = experiments::stored_bench(options.bench, experiments::BenchTruth::thresholds, run.seeds);
+  const auto published = experiments::stored_bench(options.bench, experiments::BenchTruth::experiments, run.seeds);
+  fmt::print("Answers by the judge's own thresholds:\n{}\n", experiments::perception_bench_table(bench));
+  fmt::print("Answers by published experiments:\n{}\n", experiments::perception_bench_table(published));
+  if (options.seeded.out.empty()) return run.status;
+  const std::filesystem::path out = options.seeded.out;
   write_file(out / "perception-bench.json", experiments::perception_bench_to_json(bench, published));
-  write_page(out, experiments::perception_bench_page(bench, published, report::make_provenance(apps::command_line())));
+  Provenance provenance = report::make_provenance(apps::command_line());
+  provenance.inputs.push_back(*run.rows);
+  write_page(out, experiments::perception_bench_page(bench, published, provenance));
   fmt::print("report: {}\n", (out / "report.html").string());
-  return ExitStatus::passed;
+  return run.status;
 }
 
 void add_perception_bench(CLI::App& experiment, apps::Run& run) {
@@ -303,15 +300,18 @@ void add_perception_bench(CLI::App& experiment, apps::Run& run) {
       "perception",
       "Every metric of perception on presses with planted differences: by the thresholds and by published experiments");
   auto options = std::make_shared<PerceptionBenchCommand>();
-  command->add_option("--out", options->out, "Folder for report.html, tables.md and perception-bench.json");
+  command->add_option("--out", options->seeded.out, "Folder for report.html, tables.md and perception-bench.json");
   command->add_option("--seeds", options->bench.seeds, "How many seeds, each through every setup")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command->add_option("--first-seed", options->bench.first_seed, "The first of them")->capture_default_str();
   command->add_flag("!--judge-only", options->bench.other_metrics, "Leave the metrics of other authors out: faster");
+  add_seeded_flags(*command, options->seeded, "perception");
   command->footer(
+      "One seed after the other, each on all cores. A run that stopped goes on where it was.\n"
       "Examples:\n  touchstone experiment perception --seeds 1\n  touchstone experiment perception --out perception "
-      "--seeds 20 --first-seed 1000");
+      "--seeds 20 --first-seed 1000\n" +
+      seeded_examples("perception"));
   command->callback([options, &run] { run = [options] { return run_perception(*options); }; });
 }
 

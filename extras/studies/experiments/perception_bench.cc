@@ -1,14 +1,18 @@
 #include "experiments/perception_bench.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <optional>
 
 #include "experiments/published_cases.h"
+#include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
+#include "harness/base/progress.h"
 #include "harness/perception/judge/forced_choice.h"
 #include "harness/perception/judge/judged_conditions.h"
 
@@ -51,17 +55,14 @@ std::vector<Asked> asked_of(const PlantedSetup& setup, BenchTruth truth) {
 constexpr std::uint64_t streams = 1000;         // of a seed
 constexpr std::uint64_t first_reference = 900;  // streams from here on are those of further real processes
 
-BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const PerceptionBenchOptions& bench,
-                     std::vector<std::string>& metrics) {
-  BenchedRun run;
-  run.setup = setup;
-  run.seed = seed;
+BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, BenchTruth truth, bool other_metrics) {
+  BenchedRun run{setup, seed, {"judge"}, {}};
   recording::Recording real;
   std::optional<pc::JudgedProcess> reference;
   std::size_t recorded = 0;
   std::uint64_t stream = 0;
-  metrics = {"judge"};
-  for (const auto& asked : asked_of(setup, bench.truth)) {
+  for (const auto& asked : asked_of(setup, truth)) {
+    stop_if_asked();
     pc::JudgeOptions options;
     if (asked.setting != nullptr) asked.setting(options.thresholds);
     if (!reference || recorded != asked.reference) {
@@ -82,10 +83,10 @@ BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const Percep
     own.high95 = judgement.d_prime_high95;
     own.noticed = judgement.verdict == pc::Verdict::noticed;
     own.cost.push_back(judgement.d_prime);
-    if (bench.other_metrics) {
-      metrics.resize(1);
+    if (other_metrics) {
+      run.metrics.resize(1);
       for (const auto& other : pc::other_metrics(real, recording, Vec3::UnitZ())) {
-        metrics.push_back(other.name);
+        run.metrics.push_back(other.name);
         const double value = other.value.value_or(std::numeric_limits<double>::quiet_NaN());
         own.cost.push_back(other.larger_is_better ? -value : value);
       }
@@ -184,26 +185,23 @@ std::vector<PlantedSetup> bench_setups(BenchTruth truth) {
   return setups;
 }
 
-std::size_t bench_runs(const PerceptionBenchOptions& options) {
-  return bench_setups(options.truth).size() * options.seeds;
+std::vector<BenchedRun> run_bench_seed(BenchTruth truth, std::uint64_t seed, bool other_metrics,
+                                       const std::function<void()>& run_done) {
+  const auto setups = bench_setups(truth);
+  std::vector<BenchedRun> runs(setups.size());
+  const auto run_one = [&](std::size_t i) {
+    runs[i] = run_setup(setups[i], seed, truth, other_metrics);
+    if (run_done) run_done();
+  };
+  in_parallel(runs.size(), run_one, 1);
+  return runs;
 }
 
-PerceptionBench run_perception_bench(const PerceptionBenchOptions& options,
-                                     const std::function<void(std::size_t done)>& progress) {
+PerceptionBench gather_bench(const PerceptionBenchOptions& options, std::vector<BenchedRun> runs) {
   PerceptionBench bench;
   bench.options = options;
-  const auto setups = bench_setups(options.truth);
-  bench.runs.resize(bench_runs(options));
-  std::mutex mutex;
-  std::size_t done = 0;
-  const auto run_one = [&](std::size_t i) {
-    std::vector<std::string> metrics;
-    bench.runs[i] = run_setup(setups[i % setups.size()], options.first_seed + i / setups.size(), options, metrics);
-    const std::scoped_lock lock(mutex);
-    bench.metrics = metrics;
-    if (progress) progress(++done);
-  };
-  in_parallel(bench.runs.size(), run_one, 1);
+  bench.metrics = runs.front().metrics;
+  bench.runs = std::move(runs);
   for (std::size_t m = 0; m < bench.metrics.size(); ++m) bench.scores.push_back(score_of(bench, m));
   for (const auto& run : bench.runs) {
     for (const auto& own : run.cases) {
@@ -216,6 +214,77 @@ PerceptionBench run_perception_bench(const PerceptionBenchOptions& options,
   }
   calibrate(bench);
   return bench;
+}
+
+PerceptionBench run_perception_bench(const PerceptionBenchOptions& options) {
+  std::vector<BenchedRun> runs;
+  for (std::uint64_t seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
+    auto own = run_bench_seed(options.truth, seed, options.other_metrics);
+    std::move(own.begin(), own.end(), std::back_inserter(runs));
+  }
+  return gather_bench(options, std::move(runs));
+}
+
+nlohmann::ordered_json bench_runs_to_json(const std::vector<BenchedRun>& runs) {
+  const auto number = [](double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+  };
+  nlohmann::ordered_json document = nlohmann::ordered_json::array();
+  for (const auto& run : runs) {
+    nlohmann::ordered_json cases = nlohmann::ordered_json::array();
+    for (const auto& own : run.cases) {
+      nlohmann::ordered_json costs = nlohmann::ordered_json::object();
+      for (std::size_t m = 0; m < own.cost.size(); ++m) costs[run.metrics[m]] = number(own.cost[m]);
+      cases.push_back({{"name", own.planted.name},
+                       {"family", own.planted.family},
+                       {"reference", own.reference},
+                       {"literature_d_prime", own.literature},
+                       {"d_prime", own.d_prime},
+                       {"d_prime_interval95", {own.low95, own.high95}},
+                       {"probability", own.probability},
+                       {"noticed", own.noticed},
+                       {"costs", costs}});
+    }
+    document.push_back({{"seed", run.seed},
+                        {"stiffness_N_per_m", run.setup.stiffness_N_per_m},
+                        {"rate_Hz", run.setup.rate_Hz},
+                        {"force_noise_N", run.setup.force_noise_N},
+                        {"cases", cases}});
+  }
+  return document;
+}
+
+std::vector<BenchedRun> bench_runs_from_json(BenchTruth truth, const nlohmann::ordered_json& document) {
+  const auto setups = bench_setups(truth);
+  if (document.size() != setups.size())
+    throw BadData(fmt::format("{} runs of a seed, {} were expected", document.size(), setups.size()));
+  std::vector<BenchedRun> runs;
+  for (std::size_t i = 0; i < setups.size(); ++i) {
+    BenchedRun run{setups[i], document[i].at("seed").get<std::uint64_t>(), {}, {}};
+    const auto asked = asked_of(setups[i], truth);
+    const auto& cases = document[i].at("cases");
+    if (cases.size() != asked.size())
+      throw BadData(fmt::format("{} cases of a run, {} were expected", cases.size(), asked.size()));
+    for (std::size_t c = 0; c < asked.size(); ++c) {
+      BenchedCase own;
+      own.planted = asked[c].rendered;
+      own.reference = asked[c].reference;
+      own.literature = asked[c].d_prime;
+      own.d_prime = cases[c].at("d_prime").get<double>();
+      own.probability = cases[c].at("probability").get<double>();
+      own.low95 = cases[c].at("d_prime_interval95").at(0).get<double>();
+      own.high95 = cases[c].at("d_prime_interval95").at(1).get<double>();
+      own.noticed = cases[c].at("noticed").get<bool>();
+      run.metrics.clear();
+      for (const auto& [metric, value] : cases[c].at("costs").items()) {
+        run.metrics.push_back(metric);
+        own.cost.push_back(value.is_null() ? std::nan("") : value.get<double>());
+      }
+      run.cases.push_back(std::move(own));
+    }
+    runs.push_back(std::move(run));
+  }
+  return runs;
 }
 
 }  // namespace touchstone::experiments

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct BenchedCase {
 struct BenchedRun {
   PlantedSetup setup;
   std::uint64_t seed = 0;
+  std::vector<std::string> metrics;  // of BenchedCase::cost; "judge" first
   std::vector<BenchedCase> cases;
 };
 
@@ -76,8 +78,15 @@ struct PerceptionBench {
 
 // Setups that every seed goes through.
 std::vector<PlantedSetup> bench_setups(BenchTruth truth = BenchTruth::thresholds);
-PerceptionBench run_perception_bench(const PerceptionBenchOptions& options,
-                                     const std::function<void(std::size_t done)>& progress = {});
-std::size_t bench_runs(const PerceptionBenchOptions& options);
+std::vector<BenchedRun> run_bench_seed(BenchTruth truth, std::uint64_t seed, bool other_metrics,
+                                       const std::function<void()>& run_done = {});
+// The runs of every seed of `options`, at least one.
+PerceptionBench gather_bench(const PerceptionBenchOptions& options, std::vector<BenchedRun> runs);
+// One seed after the other, in memory.
+PerceptionBench run_perception_bench(const PerceptionBenchOptions& options);
+
+// Runs as JSON, and back: those of one seed, in the order of bench_setups(). Throws BadData for what is none.
+nlohmann::ordered_json bench_runs_to_json(const std::vector<BenchedRun>& runs);
+std::vector<BenchedRun> bench_runs_from_json(BenchTruth truth, const nlohmann::ordered_json& document);
 
 }  // namespace touchstone::experiments

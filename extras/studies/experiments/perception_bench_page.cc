@@ -208,27 +208,7 @@ nlohmann::ordered_json bench_json(const PerceptionBench& bench) {
                                        {"literature", bench_number(bin.literature)},
                                        {"simulated", bench_number(bin.simulated)}});
   }
-  document["runs"] = nlohmann::ordered_json::array();
-  for (const auto& run : bench.runs) {
-    nlohmann::ordered_json cases = nlohmann::ordered_json::array();
-    for (const auto& own : run.cases) {
-      nlohmann::ordered_json costs = nlohmann::ordered_json::object();
-      for (std::size_t m = 0; m < own.cost.size(); ++m) costs[bench.metrics[m]] = bench_number(own.cost[m]);
-      cases.push_back({{"name", own.planted.name},
-                       {"family", own.planted.family},
-                       {"reference", own.reference},
-                       {"literature_d_prime", own.literature},
-                       {"d_prime", own.d_prime},
-                       {"d_prime_interval95", {own.low95, own.high95}},
-                       {"noticed", own.noticed},
-                       {"costs", costs}});
-    }
-    document["runs"].push_back({{"seed", run.seed},
-                                {"stiffness_N_per_m", run.setup.stiffness_N_per_m},
-                                {"rate_Hz", run.setup.rate_Hz},
-                                {"force_noise_N", run.setup.force_noise_N},
-                                {"cases", cases}});
-  }
+  document["runs"] = bench_runs_to_json(bench.runs);
   return document;
 }
 

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "experiments/planted_cases.h"
 #include "experiments/published_cases.h"
+#include "harness/base/error.h"
 #include "harness/perception/judge/judge.h"
 
 namespace touchstone::experiments {
@@ -106,6 +108,24 @@ TEST(PerceptionBench, OrdersWhatPublishedExperimentsCallClear) {
   ASSERT_EQ(bench.runs.size(), bench_setups(BenchTruth::experiments).size());
   EXPECT_GT(bench.scores.front().pairs, 40u);
   EXPECT_GE(static_cast<double>(bench.scores.front().right), 0.99 * static_cast<double>(bench.scores.front().pairs));
+}
+
+TEST(PerceptionBench, ASeedComesBackFromItsDocument) {
+  const auto truth = BenchTruth::experiments;
+  const auto runs = run_bench_seed(truth, 7001, true);
+  const auto document = bench_runs_to_json(runs);
+  const auto back = bench_runs_from_json(truth, nlohmann::ordered_json::parse(document.dump()));
+  EXPECT_EQ(bench_runs_to_json(back), document);
+  const PerceptionBenchOptions options{.truth = truth};
+  const auto was = gather_bench(options, runs);
+  const auto is = gather_bench(options, back);
+  EXPECT_EQ(is.metrics, was.metrics);
+  EXPECT_EQ(is.scores.back().by_family, was.scores.back().by_family);
+  EXPECT_EQ(is.largest_miscalibration, was.largest_miscalibration);
+  EXPECT_GT(was.largest_miscalibration, 0.0);
+  auto short_of_one = document;
+  short_of_one.erase(0);
+  EXPECT_THROW((void)bench_runs_from_json(truth, short_of_one), BadData);
 }
 
 // One and three published differences read as d' 1 and 3 of the experiment's procedure. `compliance, equal depth` is

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "experiments/scan_pages.h"
 #include "experiments/spring_seed.h"
@@ -35,6 +37,10 @@ void append(std::vector<Value>& all, const std::vector<Value>& more) {
 std::vector<std::string> words(const std::string& name, std::uint64_t first_seed, std::uint64_t seeds) {
   return {"experiment", name, "--seed", fmt::format("{}", first_seed), "--seeds", fmt::format("{}", seeds)};
 }
+
+// The parts of a seed of the perception experiment, by their keys in its document.
+constexpr std::array<std::pair<BenchTruth, const char*>, 2> bench_truths{
+    {{BenchTruth::thresholds, "thresholds"}, {BenchTruth::experiments, "experiments"}}};
 
 // An experiment without numbers: the statements do not depend on them.
 VoxelExperiment voxel_without_numbers() {
@@ -205,6 +211,54 @@ SeededExperiment seeded_springs(std::uint64_t first_seed, std::uint64_t seeds) {
     return result;
   };
   return own;
+}
+
+SeededExperiment seeded_perception(const PerceptionBenchOptions& options) {
+  SeededExperiment own;
+  own.name = "perception";
+  own.settings = fmt::format(R"({{"other_metrics":{}}})", options.other_metrics);
+  own.first_seed = options.first_seed;
+  own.seeds = options.seeds;
+  for (const auto& [truth, key] : bench_truths) {
+    for (const char* const value :
+         {"clear pairs ordered rightly", "called indistinguishable below threshold", "intervals that hold the d'"})
+      own.values.push_back(fmt::format("{}: {}", key, value));
+  }
+  own.words = {"experiment",   "perception",
+               "--first-seed", fmt::format("{}", options.first_seed),
+               "--seeds",      fmt::format("{}", options.seeds)};
+  if (!options.other_metrics) own.words.emplace_back("--judge-only");
+  own.alone = true;  // the setups of a seed take all cores
+  for (const auto& [truth, key] : bench_truths) own.parts += bench_setups(truth).size();
+  own.run = [options](std::uint64_t number, const runs::PartDone& part_done) {
+    SeedResult result;
+    nlohmann::ordered_json document;
+    for (const auto& [truth, key] : bench_truths) {
+      const auto seed = run_bench_seed(truth, options.first_seed + number, options.other_metrics, part_done);
+      document[key] = bench_runs_to_json(seed);
+      const PerceptionBench bench = gather_bench(options, seed);
+      const auto share = [](std::size_t part, std::size_t all) {
+        return all == 0 ? std::nan("") : static_cast<double>(part) / static_cast<double>(all);
+      };
+      append<double>(result.values,
+                     {share(bench.scores.front().right, bench.scores.front().pairs),
+                      share(bench.called_indistinguishable, bench.below_threshold), share(bench.covered, bench.cases)});
+    }
+    result.document = document.dump();
+    return result;
+  };
+  return own;
+}
+
+PerceptionBench stored_bench(PerceptionBenchOptions options, BenchTruth truth, const std::vector<StoredSeed>& seeds) {
+  options.truth = truth;
+  const auto* const key = std::ranges::find(bench_truths, truth, [](const auto& own) { return own.first; })->second;
+  std::vector<BenchedRun> all;
+  for (const StoredSeed& seed : seeds) {
+    if (seed.error.empty())
+      append(all, bench_runs_from_json(truth, nlohmann::ordered_json::parse(seed.result.document).at(key)));
+  }
+  return gather_bench(options, std::move(all));
 }
 
 }  // namespace touchstone::experiments

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "experiments/perception_bench.h"
 #include "experiments/seed_cases.h"
 #include "experiments/voxel_experiment.h"
 
@@ -20,5 +21,9 @@ SeededExperiment seeded_density(std::uint64_t first_seed, std::uint64_t seeds, b
 // Where the values and findings of one of the two stand.
 SpreadPart density_part(bool shading);
 SeededExperiment seeded_springs(std::uint64_t first_seed, std::uint64_t seeds);
+// Both truths; `options.truth` does not count.
+SeededExperiment seeded_perception(const PerceptionBenchOptions& options);
+// Of one truth, from the documents of its seeds, at least one.
+PerceptionBench stored_bench(PerceptionBenchOptions options, BenchTruth truth, const std::vector<StoredSeed>& seeds);
 
 }  // namespace touchstone::experiments
