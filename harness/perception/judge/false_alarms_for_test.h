@@ -32,7 +32,7 @@ inline FalseAlarms false_alarms(const std::vector<double>& noises_N, const std::
         process.rate_Hz = rate_Hz;
         process.presses = presses;
         for (std::uint64_t seed = 0; seed < seeds; ++seed) {
-          const std::uint64_t first = 100000 * (kind + 1) + 100 * seed;
+          const std::uint64_t first = first_seed() + 100000 * (kind + 1) + 100 * seed;
           const recording::Recording real = planted(process, first);
           std::vector<RecordingSource> conditions;
           for (std::size_t h = 0; h < hands.size(); ++h) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <vector>
 
@@ -29,6 +30,12 @@ struct PlantedProcess {
   double load = 1.0;       // of the hand: depths are multiplied by it
   double pace = 1.0;       // and speeds
 };
+
+// Where the seeds of the tests by night begin: TOUCHSTONE_PERCEPTION_SEED, else 0.
+inline std::uint64_t first_seed() {
+  const char* const text = std::getenv("TOUCHSTONE_PERCEPTION_SEED");
+  return text == nullptr ? 0 : std::strtoull(text, nullptr, 10);
+}
 
 inline recording::Recording planted(const PlantedProcess& process, std::uint64_t seed) {
   Random random(seed);

@@ -26,7 +26,7 @@ Power power(double noise_N, double seconds, const std::vector<Channel>& without)
     PlantedProcess process{.noise_N = noise_N};
     process.presses = static_cast<int>(seconds / presses_s);
     const auto prepared = [&](std::uint64_t which, const JudgedProcess* reference) {
-      return judged_process(felt_series(planted(process, 880000 + 10 * seed + which), Vec3::UnitZ()),
+      return judged_process(felt_series(planted(process, first_seed() + 880000 + 10 * seed + which), Vec3::UnitZ()),
                             options.thresholds, reference);
     };
     const JudgedProcess real = prepared(0, nullptr);
