@@ -4,7 +4,9 @@
 
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
+#include "harness/rendering/measured_renderer.h"
 #include "harness/rendering/moving_object.h"
+#include "harness/rendering/predictor.h"
 #include "harness/rendering/scene.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/devices/haptic_device.h"

@@ -1,6 +1,7 @@
 #include "renderers/measured.h"
 
 #include "harness/rendering/effect_stack.h"
+#include "harness/rendering/measured_renderer.h"
 #include "harness/rendering/parameters.h"
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"

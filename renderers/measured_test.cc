@@ -1,5 +1,6 @@
 #include "renderers/measured.h"
 
+#include "harness/rendering/measured_renderer.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 

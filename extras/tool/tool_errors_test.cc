@@ -10,6 +10,7 @@
 
 #include "harness/base/error.h"
 #include "harness/tool/faulty_tool.h"
+#include "harness/tool/tool_checks.h"
 #include "tool_metrics.h"
 #include "tool_replay.h"
 

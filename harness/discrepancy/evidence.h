@@ -6,6 +6,7 @@
 
 #include "harness/discrepancy/joint_fit.h"
 #include "harness/discrepancy/noise_model.h"
+#include "harness/rendering/predictor.h"
 
 namespace touchstone::discrepancy {
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "harness/discrepancy/effect_search.h"
+#include "harness/rendering/predictor.h"
 
 namespace touchstone::discrepancy {
 

@@ -17,6 +17,7 @@
 
 #include "harness/discrepancy/instrument_description.h"
 #include "harness/discrepancy/residual_blocks.h"
+#include "harness/rendering/predictor.h"
 
 namespace touchstone::discrepancy {
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "harness/discrepancy/effect_search.h"
+#include "harness/rendering/predictor.h"
 
 namespace touchstone::discrepancy {
 

@@ -13,16 +13,17 @@
 #include <vector>
 
 #include "harness/recording/trajectory.h"
-#include "harness/rendering/measured_renderer.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/parameters.h"
-#include "harness/rendering/predictor.h"
 #include "harness/rendering/renderer.h"
 #include "harness/rendering/renderer_entry.h"
 #include "harness/rendering/scene.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::rendering {
+
+class MeasuredRenderer;  // harness/rendering/measured_renderer.h
+class Predictor;         // harness/rendering/predictor.h
 
 // A renderer whose floating-point operations are counted (operations.h): the same forces to the bit. No renderer if
 // they are not counted; `not_counted` then says why, else what of the model is left out of the count.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/testing/tiny_meshes.h"
+#include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::testing {
 
@@ -27,29 +27,7 @@ struct ConformanceShape {
 
 inline void PrintTo(const ConformanceShape& shape, std::ostream* out) { *out << shape.name; }
 
-inline std::vector<ConformanceShape> conformance_shapes() {
-  constexpr double any_thickness = std::numeric_limits<double>::infinity();
-  const auto plate = [] {
-    surface::TriangleMesh mesh = cube(0.02);
-    for (Vec3& v : mesh.vertices_W_m) v.z() *= 0.005;  // 0.2 mm thick
-    return ConformanceBody{mesh, true, true, 2e-4, true};
-  };
-  return {{"cube",
-           [] {
-             return ConformanceBody{cube(0.02), true, false, any_thickness, true};
-           }},
-          {"ball",
-           [] {
-             return ConformanceBody{ball(0.02, 4), true, false};
-           }},
-          {"torus",
-           [] {
-             return ConformanceBody{torus(0.02, 0.008, 48, 24), true, false};
-           }},
-          {"plate", plate},
-          {"sheet", [] {
-             return ConformanceBody{grid(0.02, 12), false, true, any_thickness, true};
-           }}};
-}
+// cube, ball, torus, plate (0.2 mm) and sheet (open).
+std::vector<ConformanceShape> conformance_shapes();
 
 }  // namespace touchstone::testing

@@ -44,6 +44,7 @@
 #include "harness/rendering/renderer_failed.h"
 #include "harness/rendering/settled_renderer.h"
 #include "harness/surface/embree_surface.h"
+#include "harness/surface/moved_mesh.h"
 #include "harness/testing/allocation_guard.h"
 #include "harness/testing/conformance_failure.h"
 #include "harness/testing/conformance_shapes.h"

@@ -10,6 +10,7 @@
 #include "harness/base/known_names.h"
 #include "harness/rendering/unit_dimension.h"
 #include "harness/surface/mesh_topology.h"
+#include "harness/tool/tool_checks.h"
 
 namespace touchstone::tool {
 using rendering::ParameterDeclaration;

@@ -15,10 +15,11 @@
 #include "harness/surface/triangle_mesh.h"
 #include "harness/tool/coupling.h"
 #include "harness/tool/tool.h"
-#include "harness/tool/tool_checks.h"
 #include "harness/tool/tool_renderer.h"
 
 namespace touchstone::tool {
+
+struct ToolSubject;  // harness/tool/tool_checks.h
 
 struct ToolRendererEntry {
   std::string name;
@@ -69,7 +70,7 @@ std::map<std::string, double> own_values(const std::map<std::string, double, std
 std::unique_ptr<ToolRenderer> make_tool_renderer(const ToolRendererEntry& entry, const Tool& tool,
                                                  const surface::TriangleMesh& object_W, const ToolSettings& settings);
 
-// What holds the renderer to tool_checks.h.
+// What holds the renderer to harness/tool/tool_checks.h.
 ToolSubject subject_of(const ToolRendererEntry& entry, const ToolSettings& settings);
 
 // Throws UsageError that lists the known names.

@@ -17,6 +17,7 @@
 #include "harness/pipeline/discrepancy/inputs.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
+#include "harness/rendering/predictor.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
 #include "renderers/catalogue.h"

@@ -14,6 +14,7 @@
 #include "harness/surface/box_mesh.h"
 #include "harness/surface/sphere_mesh.h"
 #include "harness/tool/faulty_tool.h"
+#include "harness/tool/tool_checks.h"
 #include "harness/tool/tool_path.h"
 #include "tool_errors.h"
 #include "tool_renderers/tool_catalogue.h"

@@ -7,6 +7,7 @@
 #include "contacts/exact_cases.h"
 #include "contacts/scripted_path.h"
 #include "harness/plugin/plugin_tool.h"
+#include "harness/tool/tool_checks.h"
 #include "harness/tool/tool_path.h"
 #include "tool_renderers/tool_catalogue.h"
 

@@ -15,6 +15,7 @@
 #include "harness/surface/mesh_file.h"
 #include "harness/testing/allocation_guard.h"
 #include "harness/tool/faulty_tool.h"
+#include "harness/tool/tool_checks.h"
 #include "harness/tool/tool_path.h"
 #include "tool_renderers/god_object_tool.h"
 #include "tool_renderers/tool_catalogue.h"

@@ -11,6 +11,7 @@
 #include "harness/base/hash.h"
 #include "harness/rendering/renderer_failed.h"
 #include "harness/surface/sphere_mesh.h"
+#include "harness/tool/tool_checks.h"
 #include "harness/tool/tool_path.h"
 #include "harness/tool/worse.h"
 

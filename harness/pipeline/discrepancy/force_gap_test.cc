@@ -9,6 +9,7 @@
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
 #include "harness/pipeline/discrepancy/thinning.h"
+#include "harness/rendering/predictor.h"
 
 namespace touchstone::pipeline {
 using recording::Recording;

@@ -8,6 +8,7 @@
 
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/residual_spectrum.h"
+#include "harness/rendering/predictor.h"
 
 namespace touchstone::pipeline {
 

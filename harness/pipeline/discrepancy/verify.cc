@@ -9,6 +9,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/other_program.h"
+#include "harness/rendering/predictor.h"
 
 namespace touchstone::pipeline {
 

@@ -23,6 +23,7 @@
 #include "harness/recording/recording_file.h"
 #include "harness/recording_checks/repeat_floor.h"
 #include "harness/rendering/model.h"
+#include "harness/rendering/predictor.h"
 #include "harness/report/page_html.h"
 #include "harness/surface/facet_angle.h"
 

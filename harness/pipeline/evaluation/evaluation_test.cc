@@ -5,6 +5,7 @@
 #include "harness/pipeline/evaluation/run.h"
 #include "harness/pipeline/evaluation/sample_scan_for_test.h"
 #include "harness/pipeline/evaluation/sensor_window.h"
+#include "harness/rendering/measured_renderer.h"
 #include "harness/report/result_json.h"
 #include "harness/surface/embree_surface.h"
 

@@ -21,6 +21,7 @@
 #include "harness/pipeline/evaluation/sensor_window.h"
 #include "harness/recording/recording_writer.h"
 #include "harness/rendering/in_trajectory.h"
+#include "harness/rendering/measured_renderer.h"
 #include "harness/rendering/replay.h"
 #include "harness/rendering/seam_watch.h"
 #include "harness/report/evaluation_page.h"

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "harness/rendering/measured_renderer.h"
+
 namespace touchstone::pipeline {
 namespace {
 

@@ -15,6 +15,7 @@
 #include "harness/pipeline/fitting/uncertainty.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/in_trajectory.h"
+#include "harness/rendering/predictor.h"
 #include "harness/report/quantity.h"
 #include "harness/surface/mesh_warnings.h"
 

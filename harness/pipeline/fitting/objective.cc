@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "harness/base/error.h"
+#include "harness/rendering/predictor.h"
 
 namespace touchstone::pipeline {
 using metrics::MetricResult;
