@@ -1,5 +1,5 @@
 // usage: node screenshot.mjs REPORT.html OUT.png [WIDTH] [SELECTOR]: the whole report, or one element of it, as a picture.
-import { writeFileSync } from 'node:fs';
+import { existsSync, writeFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { evaluate, findChromium, openPage, openReport } from './chromium.mjs';
 
@@ -7,6 +7,10 @@ const [report, out, width = '1280', selector] = process.argv.slice(2);
 if (!report || !out) {
   console.error('usage: node screenshot.mjs REPORT.html OUT.png [WIDTH] [SELECTOR]');
   process.exit(2);
+}
+if (!existsSync(report)) {
+  console.error(`${report}: there is no such file`);
+  process.exit(3);
 }
 const executable = findChromium();
 if (!executable) {
