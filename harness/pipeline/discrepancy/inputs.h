@@ -11,6 +11,7 @@
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/model.h"
+#include "harness/rendering/predictor.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::pipeline {
