@@ -50,15 +50,26 @@ InTrajectory measured_in_trajectory(const recording::Recording& recording) { ret
 
 DepthUnderForce depth_under_force(const recording::Recording& recording, const surface::Surface& surface,
                                   double tip_radius_m) {
-  std::vector<double> depths_m, forces_N;
+  std::vector<double> depths_m, forces_N, fourth_differences_m;
+  std::size_t in_a_row = 0;
   for (std::size_t i = 0; i < recording.size(); ++i) {
     const double force_N = recording.f_W_N[i].norm();
-    if (!(force_N > default_contact_threshold_N)) continue;
+    if (!(force_N > default_contact_threshold_N)) {
+      in_a_row = 0;
+      continue;
+    }
     depths_m.push_back(tip_radius_m - surface.signed_distance(recording.motion.p_W_m[i]));
     forces_N.push_back(force_N);
+    if (++in_a_row < 5) continue;
+    const double* const d = &depths_m.back() - 4;
+    fourth_differences_m.push_back(std::abs(d[0] - 4.0 * d[1] + 6.0 * d[2] - 4.0 * d[3] + d[4]));
   }
-  if (depths_m.size() < 5) return {std::nan(""), std::nan("")};
-  return {stats::upper_median(std::move(depths_m)), stats::upper_median(std::move(forces_N))};
+  if (depths_m.size() < 5) return {std::nan(""), std::nan(""), 0.0};
+  // Of a normal law: the median of its magnitude, and the sum of the squared weights.
+  const double noise_m = fourth_differences_m.empty()
+                             ? 0.0
+                             : stats::upper_median(std::move(fourth_differences_m)) / (0.6745 * std::sqrt(70.0));
+  return {stats::upper_median(std::move(depths_m)), stats::upper_median(std::move(forces_N)), noise_m};
 }
 
 }  // namespace touchstone::rendering

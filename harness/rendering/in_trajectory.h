@@ -60,15 +60,18 @@ recording::InTrajectory whole_force_in_trajectory(const recording::OutTrajectory
 recording::InTrajectory measured_in_trajectory(const recording::Recording& recording);
 
 // The depth in the object of a tip that feels a force, and that force: medians over the samples that push with more
-// than default_contact_threshold_N; NaN where fewer than five do.
+// than default_contact_threshold_N; NaN where fewer than five do. And the white noise of that depth, by fourth
+// differences (of which no movement of a hand is left); 0 where no five of those samples follow one another.
 struct DepthUnderForce {
   double depth_m = 0.0;
   double force_N = 0.0;
+  double noise_m = 0.0;
 
   // Stiffer than what a hand takes for rigid: 15 to 42 kN/m (Tan, Srinivasan, Eberman and Cheng 1994, "Human factors
-  // for the design of force-reflecting haptic interfaces"). Along such a path as it was measured a model answers with
-  // next to nothing.
-  [[nodiscard]] bool is_rigid() const noexcept { return force_N >= 41.5e3 * depth_m; }
+  // for the design of force-reflecting haptic interfaces"), as far as the tracker shows a depth at all: where it is
+  // right to no more than it scatters, the first two standard deviations of a depth are its own. Along such a path as
+  // it was measured a model answers with next to nothing.
+  [[nodiscard]] bool is_rigid() const noexcept { return force_N >= 41.5e3 * (depth_m - 2.0 * noise_m); }
 };
 DepthUnderForce depth_under_force(const recording::Recording& recording, const surface::Surface& surface,
                                   double tip_radius_m);
