@@ -22,7 +22,7 @@ RETURNS = {"atlas": "Atlas", "check": "Check", "compare": "Comparison", "discrep
            "evaluate": "Union[Evaluation, Evaluations]", "fit": "Fit", "leaderboard": "Board", "perceive": "Perception",
            "scorecard": "Scorecard"}
 
-HEAD = '''"""Types of the functions for commands, written by apps/python/write_stubs.py from the program's own parser."""
+HEAD = '''"""Types of the functions for commands, written by extras/python/write_stubs.py from the program's own parser."""
 
 import inspect
 from typing import Any, List, Mapping, Optional, Sequence, Type, Union
