@@ -11,7 +11,6 @@
 #include <mutex>
 
 #include "acquire_command.h"
-#include "apps/evaluation_flags.h"
 #include "apps/program.h"
 #include "command_axis.h"
 #include "dashboard_commands.h"
