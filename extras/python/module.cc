@@ -98,11 +98,11 @@ PYBIND11_MODULE(_touchstone, module) {
   using namespace touchstone;
   using namespace touchstone::python;
   module.doc() = "The library of Touchstone; import touchstone instead.";
-  touchstone::python::bind_errors(module);
-  touchstone::python::bind_recordings(module);
-  touchstone::python::bind_surfaces(module);
-  touchstone::python::bind_rendering(module);
-  touchstone::python::bind_commands(module);
+  bind_errors(module);
+  bind_recordings(module);
+  bind_surfaces(module);
+  bind_rendering(module);
+  bind_commands(module);
   module.attr("__version__") = build_info().version;
   module.def("build_info", [] {
     const BuildInfo& info = build_info();
@@ -115,6 +115,6 @@ PYBIND11_MODULE(_touchstone, module) {
     out["flags"] = info.flags;
     return out;
   });
-  module.def("report_progress", &touchstone::python::report_progress, py::arg("call"));
-  touchstone::python::search_beside_module();
+  module.def("report_progress", &report_progress, py::arg("call"));
+  search_beside_module();
 }
