@@ -14,7 +14,7 @@
 #include "harness/base/error.h"
 #include "harness/base/vec.h"
 
-namespace touchstone::apps::python {
+namespace touchstone::python {
 
 namespace py = pybind11;
 
@@ -94,4 +94,4 @@ py::array moved_to_array(std::vector<Value> values) {
   return view_of(owner, *owner);
 }
 
-}  // namespace touchstone::apps::python
+}  // namespace touchstone::python

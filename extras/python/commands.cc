@@ -11,17 +11,16 @@
 #include <mutex>
 
 #include "acquire_command.h"
-#include "apps/evaluation_flags.h"
 #include "apps/program.h"
-#include "apps/python/module.h"
 #include "command_axis.h"
 #include "dashboard_commands.h"
 #include "harness/base/input_files.h"
 #include "leaderboard_command.h"
+#include "module.h"
 #include "study_commands.h"
 #include "tool_commands.h"
 
-namespace touchstone::apps::python {
+namespace touchstone::python {
 namespace {
 
 namespace py = pybind11;
@@ -69,8 +68,8 @@ class ProtectedInputs {
 };
 
 // The program's, and those of the extras that have a function of the package.
-std::vector<AddCommand> all_commands() {
-  std::vector<AddCommand> all = commands();
+std::vector<apps::AddCommand> all_commands() {
+  std::vector<apps::AddCommand> all = apps::commands();
   all.insert(all.end(), {acquisition::add_acquire, axis::add_axis, board::add_leaderboard, dashboard::add_dashboard,
                          dashboard::add_history, studies::add_atlas, studies::add_sweep, tool::add_tool});
   return all;
@@ -83,7 +82,7 @@ std::pair<int, std::string> run_command(const std::vector<std::string>& words) {
     const std::lock_guard lock(one_at_a_time);
     const ProtectedInputs inputs;
     const PrintedText printed;
-    const ExitStatus status = run_words(words, all_commands());
+    const ExitStatus status = apps::run_words(words, all_commands());
     return std::pair(static_cast<int>(status), printed.text());
   });
 }
@@ -121,7 +120,7 @@ void describe(const CLI::App& parent, const std::string& prefix, py::dict& out) 
 // Every command with its options, as the program's own parser knows them; of a command's subcommand "golden accept".
 py::dict describe_commands() {
   CLI::App program{"", "touchstone"};
-  Run unused;
+  apps::Run unused;
   for (const auto add : all_commands()) add(program, unused);
   py::dict out;
   describe(program, "", out);
@@ -135,4 +134,4 @@ void bind_commands(py::module_& module) {
   module.def("describe_commands", &describe_commands);
 }
 
-}  // namespace touchstone::apps::python
+}  // namespace touchstone::python

@@ -1,7 +1,7 @@
 """A function for each command that people call from a notebook, with the program's own options.
 
 Their parameters come from the program's parser; `_commands.pyi`, which type checkers read, is written from the same
-(apps/python/write_stubs.py)."""
+(extras/python/write_stubs.py)."""
 
 import inspect
 import os

@@ -3,16 +3,16 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "apps/plugin_flags.h"
-#include "apps/python/arrays.h"
-#include "apps/python/module.h"
+#include "arrays.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/replay.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
 #include "harness/surface/mesh_repair.h"
+#include "module.h"
 #include "renderers/catalogue.h"
 
-namespace touchstone::apps::python {
+namespace touchstone::python {
 using recording::Loaded;
 using rendering::Model;
 using surface::TriangleMesh;
@@ -27,7 +27,7 @@ struct Bench {
 
 // `plugins` run in this process.
 Bench make_bench(Model model, const TriangleMesh& mesh, bool both_sides, const std::vector<std::string>& plugins) {
-  PluginFlags flags;
+  apps::PluginFlags flags;
   flags.libraries = plugins;
   flags.in_process = true;
   const plugin::Plugins loaded = flags.load();
@@ -92,4 +92,4 @@ void bind_rendering(py::module_& module) {
              py::arg("plugins"));
 }
 
-}  // namespace touchstone::apps::python
+}  // namespace touchstone::python

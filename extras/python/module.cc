@@ -1,4 +1,4 @@
-#include "apps/python/module.h"
+#include "module.h"
 
 #include <dlfcn.h>
 #include <pybind11/functional.h>
@@ -9,7 +9,7 @@
 #include "harness/base/version.h"
 #include "harness/rendering/renderer_failed.h"
 
-namespace touchstone::apps::python {
+namespace touchstone::python {
 namespace {
 
 namespace py = pybind11;
@@ -92,17 +92,17 @@ void LongWork::interrupted() {
   throw py::error_already_set();
 }
 
-}  // namespace touchstone::apps::python
+}  // namespace touchstone::python
 
 PYBIND11_MODULE(_touchstone, module) {
   using namespace touchstone;
-  using namespace touchstone::apps::python;
+  using namespace touchstone::python;
   module.doc() = "The library of Touchstone; import touchstone instead.";
-  touchstone::apps::python::bind_errors(module);
-  touchstone::apps::python::bind_recordings(module);
-  touchstone::apps::python::bind_surfaces(module);
-  touchstone::apps::python::bind_rendering(module);
-  touchstone::apps::python::bind_commands(module);
+  bind_errors(module);
+  bind_recordings(module);
+  bind_surfaces(module);
+  bind_rendering(module);
+  bind_commands(module);
   module.attr("__version__") = build_info().version;
   module.def("build_info", [] {
     const BuildInfo& info = build_info();
@@ -115,6 +115,6 @@ PYBIND11_MODULE(_touchstone, module) {
     out["flags"] = info.flags;
     return out;
   });
-  module.def("report_progress", &touchstone::apps::python::report_progress, py::arg("call"));
-  touchstone::apps::python::search_beside_module();
+  module.def("report_progress", &report_progress, py::arg("call"));
+  search_beside_module();
 }

@@ -2,7 +2,7 @@
 function run_tests()
 arguments_given = argv();
 [source, program, folder] = arguments_given{end - 2:end};
-addpath(fullfile(source, 'apps', 'matlab'));
+addpath(fullfile(source, 'extras', 'matlab'));
 bundled = fullfile(source, 'synthetic', 'bundled', 'plane');
 csv = fullfile(bundled, 'scan.csv');
 

@@ -4,7 +4,7 @@
 
 #include <pybind11/pybind11.h>
 
-namespace touchstone::apps::python {
+namespace touchstone::python {
 
 // Recordings, trajectories and rendered files.
 void bind_recordings(pybind11::module_& module);
@@ -39,11 +39,11 @@ class LongWork {
   bool handles_ = false;
 };
 
-}  // namespace touchstone::apps::python
+}  // namespace touchstone::python
 
 #include "harness/base/progress.h"
 
-namespace touchstone::apps::python {
+namespace touchstone::python {
 
 template <class Work>
 auto LongWork::run(Work& work) {
@@ -59,4 +59,4 @@ auto LongWork::run(Work& work) {
   interrupted();
 }
 
-}  // namespace touchstone::apps::python
+}  // namespace touchstone::python

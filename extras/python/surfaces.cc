@@ -2,18 +2,18 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "apps/python/arrays.h"
-#include "apps/python/module.h"
+#include "arrays.h"
 #include "harness/base/units.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
 #include "harness/surface/mesh_repair.h"
 #include "harness/surface/mesh_warnings.h"
+#include "module.h"
 #include "synthetic/surface_catalogue.h"
 #include "synthetic/surfaces/exact_contact.h"
 #include "synthetic/trajectory_catalogue.h"
 
-namespace touchstone::apps::python {
+namespace touchstone::python {
 using surface::Surface;
 using surface::TriangleMesh;
 
@@ -198,4 +198,4 @@ void bind_surfaces(py::module_& module) {
   });
 }
 
-}  // namespace touchstone::apps::python
+}  // namespace touchstone::python

@@ -11,18 +11,14 @@ package = Path(sys.argv[1])
 sys.path.insert(0, str(package))
 
 from touchstone import _commands  # noqa: E402
-from touchstone._run import commands, takes_plugins  # noqa: E402
+from touchstone._run import FILE_KINDS, NAMED_FILES, commands, takes_plugins  # noqa: E402
 
-#: Options that take objects in memory, too.
-KINDS = {"recording": "RecordingLike", "holdout": "RecordingLike", "real": "RecordingLike", "repeat": "RecordingLike",
-         "EXPECTED": "RecordingLike", "OBTAINED": "RecordingLike", "trajectory": "TrajectoryLike", "mesh": "MeshLike",
-         "model": "ModelLike"}
 #: What the functions return, in their order in _commands.py.
 RETURNS = {"atlas": "Atlas", "check": "Check", "compare": "Comparison", "discrepancy": "Findings",
            "evaluate": "Union[Evaluation, Evaluations]", "fit": "Fit", "leaderboard": "Board", "perceive": "Perception",
            "scorecard": "Scorecard"}
 
-HEAD = '''"""Types of the functions for commands, written by apps/python/write_stubs.py from the program's own parser."""
+HEAD = '''"""Types of the functions for commands, written by extras/python/write_stubs.py from the program's own parser."""
 
 import inspect
 from typing import Any, List, Mapping, Optional, Sequence, Type, Union
@@ -49,13 +45,12 @@ def parameters_of(name: str) -> List[inspect.Parameter]: ...
 def type_of(option: dict, command: str) -> str:
     if option["flag"]:
         return "bool"
-    if command == "perceive" and option["name"] in ("condition", "model"):
-        like = "RecordingLike" if option["name"] == "condition" else "ModelLike"
-        return f"Union[str, Sequence[str], Mapping[str, {like}]]"
+    if command == "perceive" and option["name"] in NAMED_FILES:
+        return f"Union[str, Sequence[str], Mapping[str, {NAMED_FILES[option['name']][1]}]]"
     if command in ("check", "scorecard") and option["name"] == "model":
         kind = "str"
-    elif option["name"] in KINDS:
-        kind = KINDS[option["name"]]
+    elif option["name"] in FILE_KINDS:
+        kind = FILE_KINDS[option["name"]][1]
     elif option["type"].startswith("UINT") or option["type"].startswith("INT"):
         kind = "int"
     elif option["type"].startswith("FLOAT"):

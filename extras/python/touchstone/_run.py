@@ -57,20 +57,20 @@ def _as_file(value: Any, suffix: str) -> Iterator[str]:
         yield str(path)
 
 
-#: In which files objects in memory are written for a command: to the bit, all of them.
-_FILE_KINDS = {
-    "recording": ".h5", "holdout": ".h5", "real": ".h5", "repeat": ".h5", "EXPECTED": ".h5", "OBTAINED": ".h5",
-    "trajectory": ".h5", "mesh": ".ply", "model": ".json",
+#: In which files objects in memory are written for a command (to the bit, all of them), and their types (_types.py).
+FILE_KINDS = {
+    **dict.fromkeys(("recording", "holdout", "real", "repeat", "EXPECTED", "OBTAINED"), (".h5", "RecordingLike")),
+    "trajectory": (".h5", "TrajectoryLike"), "mesh": (".ply", "MeshLike"), "model": (".json", "ModelLike"),
 }
 #: Options of `perceive` whose values are named files: `condition={"omega": recording}` is `--condition omega=FILE`.
-_NAMED_FILES = {"condition": ".h5", "model": ".json"}
+NAMED_FILES = {"condition": FILE_KINDS["recording"], "model": FILE_KINDS["model"]}
 
 
 def _text(stack: contextlib.ExitStack, name: str, value: Any) -> str:
     """A value as the program's parser reads it."""
     is_path = isinstance(value, (str, os.PathLike))
-    if name in _FILE_KINDS and not is_path:
-        file: str = stack.enter_context(_as_file(value, _FILE_KINDS[name]))
+    if name in FILE_KINDS and not is_path:
+        file: str = stack.enter_context(_as_file(value, FILE_KINDS[name][0]))
         return file
     if is_path:
         return str(os.fspath(value))
@@ -83,7 +83,7 @@ def _named_files(stack: contextlib.ExitStack, name: str, value: Any) -> List[str
     words = []
     for label, one in value.items():
         is_path = isinstance(one, (str, os.PathLike))
-        path = os.fspath(one) if is_path else stack.enter_context(_as_file(one, _NAMED_FILES[name]))
+        path = os.fspath(one) if is_path else stack.enter_context(_as_file(one, NAMED_FILES[name][0]))
         words.append(f"{label}={path}")
     return words
 
@@ -102,7 +102,7 @@ def _words(stack: contextlib.ExitStack, command: str, positional: Tuple[Any, ...
         option = by_name[name]
         if option["flag"]:
             words += [f"--{option['name']}"] if value else []
-        elif command == "perceive" and name in _NAMED_FILES:
+        elif command == "perceive" and name in NAMED_FILES:
             words += [f"--{option['name']}={text}" for text in _named_files(stack, name, value)]
         else:
             words += [f"--{option['name']}={_text(stack, name, one)}" for one in as_list(value)]

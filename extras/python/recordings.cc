@@ -2,11 +2,11 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "apps/python/arrays.h"
-#include "apps/python/module.h"
+#include "arrays.h"
 #include "harness/recording/recording_file.h"
+#include "module.h"
 
-namespace touchstone::apps::python {
+namespace touchstone::python {
 using recording::ClockPolicy;
 using recording::ColumnUnits;
 using recording::InTrajectory;
@@ -211,4 +211,4 @@ void bind_recordings(py::module_& module) {
   bind_rendered(module);
 }
 
-}  // namespace touchstone::apps::python
+}  // namespace touchstone::python

@@ -1,4 +1,4 @@
-"""Types of the module in C++ (apps/python/*.cc). Arrays are float64 if nothing else is said; those of files and results are
+"""Types of the module in C++ (extras/python/*.cc). Arrays are float64 if nothing else is said; those of files and results are
 read-only views of the library's memory."""
 
 import os
