@@ -52,13 +52,13 @@ TEST(Power, OneProcessIsCalledOneWhereTheDataAllowIt) {
       const Power found = power(noise_N, seconds, {});
       table += fmt::format(" {} (d' up to {:.2f}) |", found.not_noticed, found.may_differ);
       EXPECT_LE(found.may_differ, before.may_differ + 0.05) << "more data say more";
-      // 20 mN are a hundred thresholds of vibration: an hour hardly averages them away.
+      // 20 mN are a hundred thresholds of vibration: an hour averages them away on some seeds and not on others.
       if (noise_N < 0.002 || (noise_N < 0.01 && seconds > 50.0)) {
         EXPECT_EQ(found.not_noticed, seeds) << words;
       }
       before = found;
     }
-    EXPECT_GE(before.not_noticed, 1) << "an hour at " << noise_N << " N";
+    EXPECT_LT(before.may_differ, 1.5) << "an hour at " << noise_N << " N";
     const Power slow = power(noise_N, durations.front().first, fast);
     EXPECT_EQ(slow.not_noticed, seeds);
     table += fmt::format(" {} (d' up to {:.2f}) |\n", slow.not_noticed, slow.may_differ);
