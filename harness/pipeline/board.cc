@@ -180,7 +180,7 @@ std::string rank_text(const RankedRenderer& ranked) {
                                                : fmt::format("{}-{}", ranked.best_rank, ranked.worst_rank);
 }
 
-std::vector<std::size_t> indistinguishable(const Task& task) {
+std::vector<std::size_t> within_one_jnd(const Task& task) {
   const auto felt = [&](std::size_t i) { return task.entries[i].scores.rms_force_error_jnd; };
   std::vector<std::size_t> which;
   for (std::size_t i = 0; i < task.entries.size(); ++i) {

@@ -95,11 +95,10 @@ void rank_board(Board& board, bool overall);
 
 // The entries of a task that ran, best first; then the others.
 std::vector<std::size_t> in_order(const Task& task);
-// The entries that a person cannot tell from one another by the size of the force, at least two, or none. Two renderers
-// differ by at most the sum of what each differs from the measured force (the triangle inequality of the root mean
-// square over the recording, in just noticeable differences of that force): that of any two is one at most. Others may
-// be so too: these errors cannot say it.
-std::vector<std::size_t> indistinguishable(const Task& task);
+// The entries that lie within one just noticeable difference of one another by the size of the force, at least two, or
+// none: by the triangle inequality of the root mean square two renderers differ by at most the sum of what each differs
+// from the measured force, in differences that are just noticeable on that force. A bound: others may be so too.
+std::vector<std::size_t> within_one_jnd(const Task& task);
 // "1", "2-4": the interval of ranks of an entry of the task; "" where it has none.
 std::string rank_text(const Task& task, std::size_t entry);
 std::string rank_text(const RankedRenderer& ranked);

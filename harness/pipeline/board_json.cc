@@ -86,8 +86,8 @@ ordered_json task_json(const Task& task) {
   }
   if (task.repeat) out["repeat"] = {{"rms_N", number(task.repeat->rms_N)}, {"how", task.repeat->how}};
   out["entries"] = std::move(entries);
-  out["indistinguishable"] = ordered_json::array();
-  for (const std::size_t i : indistinguishable(task)) out["indistinguishable"].push_back(task.entries[i].renderer);
+  out["within_one_jnd"] = ordered_json::array();
+  for (const std::size_t i : within_one_jnd(task)) out["within_one_jnd"].push_back(task.entries[i].renderer);
   if (task.ranking) {
     out["ranking"] =
         ranking_json(*task.ranking, [&](std::size_t place) { return task.entries[task.ranked[place]].renderer; });

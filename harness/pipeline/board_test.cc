@@ -30,23 +30,24 @@ TEST(Board, SaysInWordsWhoIsBest) {
   EXPECT_THAT(verdict(same.tasks.front()), HasSubstr("cannot tell the 2 renderers apart"));
 }
 
-TEST(Board, SaysWhoIsIndistinguishableByHand) {
+TEST(Board, SaysWhoIsWithinOneJustNoticeableDifference) {
   Board board = sample_board({0.1, 0.2, 0.3, 0.4});
   Task& task = board.tasks.front();
   const auto felt = [&](const std::vector<double>& jnd) {
     for (std::size_t i = 0; i < jnd.size(); ++i) task.entries[i].scores.rms_force_error_jnd = jnd[i];
     std::vector<std::string> names;
-    for (const std::size_t i : indistinguishable(task)) names.push_back(task.entries[i].renderer);
+    for (const std::size_t i : within_one_jnd(task)) names.push_back(task.entries[i].renderer);
     return names;
   };
   using Names = std::vector<std::string>;
   EXPECT_EQ(felt({0.7, 0.2, 0.3, 4.0}), (Names{"renderer-1", "renderer-2", "renderer-0"}));
-  EXPECT_THAT(verdict(task),
-              HasSubstr("cannot tell renderer-1, renderer-2 and renderer-0 apart by the size of the force"));
+  EXPECT_THAT(
+      verdict(task),
+      HasSubstr("renderer-1, renderer-2 and renderer-0 are within 1 just noticeable differences of one another"));
   EXPECT_EQ(felt({0.71, 0.2, 0.3, 4.0}), (Names{"renderer-1", "renderer-2"})) << "0.3 and 0.71 may differ by 1.01";
   EXPECT_EQ(felt({0.71, 0.2, std::nan(""), 4.0}), (Names{"renderer-1", "renderer-0"}));
   EXPECT_EQ(felt({0.7, 0.31, std::nan(""), 4.0}), Names{});
-  EXPECT_THAT(verdict(task), Not(HasSubstr("A person cannot")));
+  EXPECT_THAT(verdict(task), Not(HasSubstr("of one another")));
 }
 
 // Two pairs were told apart, and the first and the last cannot be tested: yet the last is behind the second.

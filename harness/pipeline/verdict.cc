@@ -43,15 +43,15 @@ std::string of_measured(const Task& task, const Entry& entry) {
   return text;
 }
 
-std::string who_is_indistinguishable(const Task& task) {
-  const auto which = indistinguishable(task);
+std::string who_is_within_one_jnd(const Task& task) {
+  const auto which = within_one_jnd(task);
   if (which.empty()) return "";
   std::vector<std::string> names;
   for (const std::size_t i : which) names.push_back(task.entries[i].renderer);
   const auto felt = [&](std::size_t i) { return task.entries[i].scores.rms_force_error_jnd; };
   return fmt::format(
-      " A person cannot tell {} apart by the size of the force: no two differ by more than {:.2g} just noticeable "
-      "differences (RMS).",
+      " By the size of the force {} are within {:.2g} just noticeable differences of one another (RMS; single moments "
+      "may be more).",
       and_list(names), felt(which[which.size() - 2]) + felt(which.back()));
 }
 
@@ -122,7 +122,7 @@ std::string verdict(const Task& task) {
     text += fmt::format(" Last is {} with {}.", last.renderer,
                         report::display_quantity(last.scores.rms_force_error_N, "N"));
   }
-  return text + against_floor(task, first) + against_repeat(task, first) + who_is_indistinguishable(task) +
+  return text + against_floor(task, first) + against_repeat(task, first) + who_is_within_one_jnd(task) +
          who_did_not_run(task);
 }
 
