@@ -204,7 +204,24 @@ TEST(Judge, DampingIsComparedAtTheSameSpeedWhateverTheHands) {
   JudgedPress faster = damped;
   faster.beat_Hz = 2.0;
   EXPECT_LT(of(judged(faster, {}, 2, damped), Channel::rate).jnd, 0.2);
-  EXPECT_GT(of(judged({}, {}, 2, damped), Channel::rate).jnd, 1.0);
+  EXPECT_GT(of(judged({.damping_N_s_per_m = 100.0}, {}, 2, damped), Channel::rate).jnd, 1.0);
+}
+
+// The JND of damping is a fraction of the magnitude of the whole impedance (Fu, Landman, van Paassen and Mulder 2018):
+// the same damper more is felt half as much on twice the spring, and as much if it is less. Where the damper is nearly
+// all, a quarter more is one JND (Jones, Hunter and Lafontaine 1997).
+TEST(Judge, DampingIsFeltAgainstTheWholeImpedance) {
+  const auto felt = [](double k, double damping, double other) {
+    const JudgedPress real{.k = k, .damping_N_s_per_m = damping, .noise_N = 0.001};
+    JudgedPress rendered = real;
+    rendered.damping_N_s_per_m = other;
+    return of(judged(rendered, {}, 2, real), Channel::rate).jnd;
+  };
+  const double on_soft = felt(1000.0, 10.0, 30.0);
+  EXPECT_GT(on_soft, 0.3);
+  EXPECT_NEAR(felt(2000.0, 10.0, 30.0) / on_soft, 0.5, 0.05);
+  EXPECT_NEAR(felt(1000.0, 30.0, 10.0) / on_soft, 1.0, 0.05);
+  EXPECT_NEAR(felt(20.0, 100.0, 125.0), 1.0, 0.15);
 }
 
 TEST(Judge, DoesNotDependOnTheFrameOrTheUnitOfTime) {

@@ -229,6 +229,48 @@ std::vector<double> common_depths_m(const Response& real, const Response& render
   return depths;
 }
 
+namespace {
+
+// What goes with the speed is felt against the whole impedance, of spring and damper: its JND is a fraction of the
+// magnitude of both together (Fu, Landman, van Paassen and Mulder 2018). An error of the observer's of the rate, as
+// large as that of the depth, arrives in that force as a whole.
+SlowEvidence damping_evidence(const Response& real, const ResponseCurves& real_curves, const Response& rendered,
+                              const ResponseCurves& rendered_curves, bool same_motion,
+                              const std::vector<double>& depths_m, const Thresholds& thresholds) {
+  const NoticeableSteps steps(thresholds.force);
+  const DepthGrid& grid = real.grid;
+  double own_damping_N = 0.0, other_damping_N = 0.0, damping_depth_m = depths_m.back();  // where they differ most
+  for (const double d : depths_m) {
+    const double v = std::min(at_depth(real.speed_m_per_s, d, grid), at_depth(rendered.speed_m_per_s, d, grid));
+    const double own_rate = v * at_depth(real_curves.normal_N_s_per_m, d, grid);
+    const double other_rate = v * at_depth(rendered_curves.normal_N_s_per_m, d, grid);
+    if (std::abs(other_rate - own_rate) <= std::abs(other_damping_N - own_damping_N)) continue;
+    own_damping_N = own_rate;
+    other_damping_N = other_rate;
+    damping_depth_m = d;
+  }
+  const double steady_N = at_depth(real_curves.normal_N, depths_m.back(), grid);
+  const double damping_N = std::max(std::abs(own_damping_N), std::abs(other_damping_N));
+  const double whole_N = std::hypot(steady_N, damping_N);
+  const double apart_N = std::abs(other_damping_N - own_damping_N);
+  const double deep_exponent = depth_exponent(real_curves, depths_m.back(), 0.1 * depths_m.back(), grid);
+  const double both = whole_N > 0.0 ? std::hypot(deep_exponent * steady_N, damping_N) / whole_N : 0.0;
+  const auto jnd_of = [&](double less_N) {
+    const double rest_N = std::max(0.0, whole_N - less_N);
+    return force_at_depth_jnd(steps(whole_N) - steps(rest_N), whole_N, rest_N, both, thresholds);
+  };
+  const LeftAt left_there = same_motion ? LeftAt{} : left_at(real, rendered, damping_depth_m);
+  return {true,
+          jnd_of(apart_N),
+          damping_depth_m,
+          own_damping_N,
+          other_damping_N,
+          false,
+          bound_standard_errors * jnd_of(left_there.normal_N)};
+}
+
+}  // namespace
+
 SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_curves, const Response& rendered,
                             const ResponseCurves& rendered_curves, bool same_motion,
                             const std::vector<double>& depths_m, const Thresholds& thresholds) {
@@ -266,20 +308,9 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
       deep += 1.0;
       left_deep_N += left.side_N;
     }
-    const double v = std::min(at_depth(real.speed_m_per_s, d, grid), at_depth(rendered.speed_m_per_s, d, grid));
-    // The same object with the damping of either: force on the way in (+) and out (-). An error of the observer's of
-    // the rate, as large as that of the depth, arrives in the force as far as the force goes with the rate.
-    const double steady = at_depth(real_curves.normal_N, d, grid);
-    const double own_rate = v * at_depth(real_curves.normal_N_s_per_m, d, grid);
-    const double other_rate = v * at_depth(rendered_curves.normal_N_s_per_m, d, grid);
-    for (const double sign : {1.0, -1.0}) {
-      const double own = steady + sign * own_rate;
-      const double other = steady + sign * other_rate;
-      const double both = own != 0.0 ? std::hypot(exponent * steady, own_rate) / std::abs(own) : 0.0;
-      keep_larger(at(SlowChannel::rate), {true, force_jnd(own, other, both), d, own_rate, other_rate, false,
-                                          bound_standard_errors * force_jnd(own, own + left.normal_N, both)});
-    }
   }
+  at(SlowChannel::rate) =
+      damping_evidence(real, real_curves, rendered, rendered_curves, same_motion, depths_m, thresholds);
   at(SlowChannel::friction) =
       friction_evidence(real, real_curves, rendered, rendered_curves, 0.999 * depths_m.front(), thresholds);
   // A delay that the lag of a response took out counts by its length, whatever force it displaces.
