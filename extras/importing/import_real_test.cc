@@ -34,13 +34,22 @@ std::filesystem::path saved(const Imported& imported, const std::string& name) {
 }
 
 // Layouts that their makers fix: csv_writer.py of Universal Robots' RTDE client (blanks, names with _0 to _5), "File
-// Formats" of the TUM RGB-D benchmark (timestamp tx ty tz qx qy qz qw, comments with #).
+// Formats" of the TUM RGB-D benchmark (timestamp tx ty tz qx qy qz qw, comments with #), "Data Explanation" of BGU-SPAD
+// (time, three columns each of position, velocity, load force and grip force, two of the tactors).
 TEST(RealImport, LayoutsOfMakersByTheirMaps) {
   const auto bluehill = std::filesystem::path(::testing::TempDir()) / fmt::format("bluehill-{}.csv", ::getpid());
   write_file(bluehill, "Crosshead Rate,5.00,mm/min\n\nTime,Extension,Load\n(s),(mm),(N)\n0.1,0.01,2.5\n0.2,0.02,5.5\n");
   const Imported pulled = by_map(bluehill, "bluehill.json");
   EXPECT_NEAR(pulled.columns[1][1], 2e-5, 1e-18);
   EXPECT_EQ(pulled.columns[2][1], -5.5);
+  const auto trial = std::filesystem::path(::testing::TempDir()) / fmt::format("trial-{}.csv", ::getpid());
+  write_file(trial,
+             "0,1,2,3,4,5,6,7,8,9,10,11,12,0,0\n0.0125,1,1.5,3,4,5,6,7,8.5,9,10,11,12,0,0\n"
+             "0.025,1,1,3,4,5,6,7,9,9,10,11,12,0,0\n");
+  const Imported felt = by_map(trial, "bgu-spad.json");
+  EXPECT_THAT(felt.names, ::testing::ElementsAre("t_s", "x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N"));
+  EXPECT_THAT(felt.columns[2], ::testing::ElementsAre(2.0, 1.5, 1.0));
+  EXPECT_THAT(felt.columns[5], ::testing::ElementsAre(8.0, 8.5, 9.0));
   const auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("layout-{}.txt", ::getpid());
   std::string log = "timestamp", poses = "# ground truth trajectory\n";
   for (const char* const what : {"pose", "force"}) {
