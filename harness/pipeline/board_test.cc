@@ -10,7 +10,7 @@
 #include "harness/pipeline/board_json.h"
 #include "harness/pipeline/board_pictures.h"
 #include "harness/pipeline/board_site.h"
-#include "harness/pipeline/sample_board.h"
+#include "harness/pipeline/sample_board_for_test.h"
 #include "harness/pipeline/verdict.h"
 
 namespace touchstone::pipeline {

@@ -5,7 +5,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/pipeline/board_site.h"
-#include "harness/pipeline/sample_board.h"
+#include "harness/pipeline/sample_board_for_test.h"
 
 namespace touchstone::pipeline {
 namespace {

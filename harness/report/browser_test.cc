@@ -9,8 +9,8 @@
 #include "harness/report/evaluation_page.h"
 #include "harness/report/judgement_page.h"
 #include "harness/report/page_html.h"
-#include "harness/report/sample_judgement.h"
-#include "harness/report/sample_result.h"
+#include "harness/report/sample_judgement_for_test.h"
+#include "harness/report/sample_result_for_test.h"
 
 namespace touchstone::report {
 namespace {

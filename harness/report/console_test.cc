@@ -1,7 +1,7 @@
 #include "harness/report/console.h"
 
 #include "harness/base/error.h"
-#include "harness/report/sample_result.h"
+#include "harness/report/sample_result_for_test.h"
 
 namespace touchstone::report {
 using metrics::MetricSet;

@@ -1,6 +1,6 @@
 #include "harness/report/object_view.h"
 
-#include "harness/report/sample_result.h"
+#include "harness/report/sample_result_for_test.h"
 
 namespace touchstone::report {
 using surface::TriangleMesh;

@@ -2,7 +2,7 @@
 
 #include "harness/report/evaluation_page.h"
 #include "harness/report/page_json.h"
-#include "harness/report/sample_result.h"
+#include "harness/report/sample_result_for_test.h"
 
 namespace touchstone::report {
 namespace {

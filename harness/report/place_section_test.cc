@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "harness/report/sample_judgement.h"
+#include "harness/report/sample_judgement_for_test.h"
 
 namespace touchstone::report {
 namespace {

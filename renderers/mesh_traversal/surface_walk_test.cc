@@ -6,7 +6,7 @@
 #include "harness/base/random.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/tiny_meshes.h"
-#include "renderers/mesh_traversal/god_object_reference.h"
+#include "renderers/mesh_traversal/god_object_reference_for_test.h"
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {
