@@ -12,8 +12,8 @@
 
 #include "harness/base/error.h"
 #include "harness/base/partial_files.h"
-#include "harness/recording/envelope_clock.h"
 #include "lab/analysis.h"
+#include "record/envelope_clock.h"
 
 namespace touchstone::hil {
 namespace {
@@ -148,7 +148,7 @@ class Lane {
   mutable std::mutex mutex_;  // of all below
   std::string failure_;
   StreamCounters counters_;
-  recording::EnvelopeClock envelope_;
+  EnvelopeClock envelope_;
   std::uint64_t last_number_ = 0, window_ = 0, before_ = 0;
   double first_arrival_s_ = 0.0, last_arrival_s_ = 0.0, last_came_s_ = 0.0;
   double window_began_s_ = 0.0, before_s_ = 0.0;

@@ -18,7 +18,7 @@
 #include "emulators/natnet_emulator.h"
 #include "emulators/netft_emulator.h"
 #include "harness/base/random.h"
-#include "harness/recording/drifting_clock.h"
+#include "record/drifting_clock.h"
 #include "record/multi_session.h"
 #include "record/record_session.h"
 
@@ -122,7 +122,7 @@ Outcome record_two(const TwoDevices& plan, double seconds) {
   Outcome outcome;
   outcome.report = record_streams(std::move(streams), folder, options, [] { return false; });
   for (int which = 0; which < 2; ++which) {
-    recording::DriftingClock clock;
+    DriftingClock clock;
     std::uint64_t first = 0, last = 0, n = 0;
     read_raw(folder / (which == 0 ? "force.tsraw" : "tracker.tsraw"), [&](const RawSample& s) {
       clock.add(which == 0 ? s.wrench.sequence : s.ticks, s.wrench.t_s);

@@ -24,7 +24,7 @@ std::uint64_t number_of(const RawSample& sample, const RawHeader& header) {
 
 // What the first pass over the files finds.
 struct Read {
-  recording::DriftingClock::Axis axis;
+  DriftingClock::Axis axis;
   ExportReport report;
 
   [[nodiscard]] double time_of(const RawSample& sample) const {
@@ -41,7 +41,7 @@ Files with_rest(const std::filesystem::path& raw) {
 Read read_stream(const Files& files) {
   Read read;
   ExportReport& report = read.report;
-  recording::DriftingClock clock;
+  DriftingClock clock;
   std::uint64_t first_sequence = 0, last_sequence = 0, last_number = 0;
   for (const auto& file : files) {
     const RawHeader header = read_raw_header(file);

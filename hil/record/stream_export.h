@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/recording/drifting_clock.h"
+#include "record/drifting_clock.h"
 #include "record/stream.h"
 
 namespace touchstone::hil {

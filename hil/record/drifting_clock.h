@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/recording/envelope_clock.h"
+#include "record/envelope_clock.h"
 
-namespace touchstone::recording {
+namespace touchstone::hil {
 
 class DriftingClock {
  public:
@@ -57,4 +57,4 @@ class DriftingClock {
   std::uint64_t samples_ = 0, first_ = 0, last_ = 0;
 };
 
-}  // namespace touchstone::recording
+}  // namespace touchstone::hil

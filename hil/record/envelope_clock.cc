@@ -1,6 +1,6 @@
-#include "harness/recording/envelope_clock.h"
+#include "record/envelope_clock.h"
 
-namespace touchstone::recording {
+namespace touchstone::hil {
 
 void EnvelopeClock::add(std::uint64_t number, double arrival_s) {
   if (samples_++ == 0) first_ = number;
@@ -25,4 +25,4 @@ EnvelopeClock::Line EnvelopeClock::line() const {
   return {(b.arrival_s - a.arrival_s) / static_cast<double>(b.number - a.number), a.number, a.arrival_s};
 }
 
-}  // namespace touchstone::recording
+}  // namespace touchstone::hil

@@ -1,6 +1,6 @@
 // The axis of a device whose clock is off and drifts, from arrivals that are disturbed as a network and a busy machine
 // disturb them: against the clock that made them.
-#include "harness/recording/drifting_clock.h"
+#include "record/drifting_clock.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone::recording {
+namespace touchstone::hil {
 namespace {
 
 struct Device {
@@ -135,4 +135,4 @@ TEST(DriftingClock, HasTheLeastSumOfDistances) {
 }
 
 }  // namespace
-}  // namespace touchstone::recording
+}  // namespace touchstone::hil

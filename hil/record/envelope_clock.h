@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace touchstone::recording {
+namespace touchstone::hil {
 
 class EnvelopeClock {
  public:
@@ -42,4 +42,4 @@ class EnvelopeClock {
   double mean_from_first_ = 0.0;
 };
 
-}  // namespace touchstone::recording
+}  // namespace touchstone::hil

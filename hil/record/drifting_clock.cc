@@ -1,11 +1,11 @@
-#include "harness/recording/drifting_clock.h"
+#include "record/drifting_clock.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-namespace touchstone::recording {
+namespace touchstone::hil {
 namespace {
 
 // Within a chunk the drift is nothing: a rate that changes by 1e-6 in 10 s moves its middle by 0.01 us.
@@ -144,4 +144,4 @@ DriftingClock::Axis DriftingClock::axis() const {
   return bent.floor_s < better * straight.floor_s ? bent : straight;
 }
 
-}  // namespace touchstone::recording
+}  // namespace touchstone::hil

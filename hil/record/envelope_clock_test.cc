@@ -1,4 +1,4 @@
-#include "harness/recording/envelope_clock.h"
+#include "record/envelope_clock.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone::recording {
+namespace touchstone::hil {
 namespace {
 
 struct Arrival {
@@ -95,4 +95,4 @@ TEST(EnvelopeClock, HoldsTheTimeAxisOfDisturbedRuns) {
 }
 
 }  // namespace
-}  // namespace touchstone::recording
+}  // namespace touchstone::hil
