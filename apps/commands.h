@@ -14,7 +14,6 @@ void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
 void add_completion(CLI::App& program, Run& run);
 void add_convert(CLI::App& program, Run& run);
-void add_dataset(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
 void add_discrepancy(CLI::App& program, Run& run);
 void add_fit(CLI::App& program, Run& run);
@@ -25,7 +24,6 @@ void add_list(CLI::App& program, Run& run);
 void add_perceive(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_scorecard(CLI::App& program, Run& run);
-void add_synth(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
 // Those that need no heavy library. The program `touchstone` has them itself and becomes another file for every
@@ -33,9 +31,8 @@ void add_version(CLI::App& program, Run& run);
 inline constexpr std::array<std::string_view, 6> light_command_names{"check",  "compare",   "golden",
                                                                      "replay", "scorecard", "version"};
 // All others of commands(): what is none of both may be an extra, which `touchstone` becomes without their libraries.
-inline constexpr std::array<std::string_view, 12> heavy_command_names{
-    "bisect",   "completion", "convert", "dataset", "discrepancy", "doctor",
-    "evaluate", "fit",        "formats", "list",    "perceive",    "synth"};
+inline constexpr std::array<std::string_view, 10> heavy_command_names{
+    "bisect", "completion", "convert", "discrepancy", "doctor", "evaluate", "fit", "formats", "list", "perceive"};
 inline std::vector<AddCommand> light_commands() {
   return {add_check, add_compare, add_golden, add_replay, add_scorecard, add_version};
 }
@@ -49,7 +46,6 @@ inline std::vector<AddCommand> commands() {
       add_compare,
       add_completion,
       add_convert,
-      add_dataset,
       add_doctor,
       add_discrepancy,
       add_fit,
@@ -60,7 +56,6 @@ inline std::vector<AddCommand> commands() {
       add_perceive,
       add_replay,
       add_scorecard,
-      add_synth,
       add_version,
   };
 }

@@ -13,10 +13,11 @@
 #include "harness/pipeline/board_json.h"
 #include "harness/recording/recording_file.h"
 #include "harness/surface/embree_surface.h"
+#include "packed_dataset.h"
 #include "renderers/catalogue.h"
 #include "signature.h"
 #include "submission.h"
-#include "synthetic/datasets/write_dataset.h"
+#include "write_dataset.h"
 
 namespace touchstone::board {
 namespace {
@@ -92,7 +93,7 @@ TEST_F(Leaderboard, TheRightLawIsNotBelowTheFloor) {
   for (const char* const family : {"bumpy", "crease", "flush"}) {
     for (const std::uint64_t seed : {1, 2}) {
       const auto folder = fresh_folder("touchstone-floor") / fmt::format("{}-{}", family, seed);
-      synthetic::write_dataset(synthetic::recipe(family), seed, folder);
+      datasets::write_dataset(datasets::recipe(family), seed, folder);
       BoardRequest request = this->request();
       request.models = {};
       request.datasets = {folder};
@@ -125,7 +126,7 @@ TEST_F(Leaderboard, ShowsWhatARepeatLeavesAndLinksItsReports) {
   save_recording(folder / "twice/again.csv", again);
   recording::Dataset twice = recording::load_dataset(folder / "twice");
   twice.recordings[0].repeat = "again.csv";
-  pack_dataset(twice);
+  datasets::pack_dataset(twice);
   request.datasets = {folder / "twice"};
   request.out = folder / "out";
   request.reports = true;

@@ -7,7 +7,6 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/units.h"
 
@@ -168,13 +167,6 @@ void save_dataset(const Dataset& dataset) {
   json["licence"] = dataset.licence;
   if (!dataset.sha256.empty()) json["sha256"] = dataset.sha256;
   write_file(dataset.folder / description, json.dump(2) + "\n", Replace::inputs_too);
-}
-
-void pack_dataset(Dataset& dataset) {
-  std::map<std::string, std::string> hashes;
-  for (const std::string& file : dataset.files()) hashes[file] = sha256_file(dataset.own_path_of(file));
-  dataset.sha256 = std::move(hashes);
-  save_dataset(dataset);
 }
 
 }  // namespace touchstone::recording

@@ -21,15 +21,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "harness/base/vec.h"
-#include "harness/recording/clock.h"
 
 namespace touchstone::recording {
 
@@ -78,28 +74,9 @@ struct Dataset {
 };
 
 // `place` is the folder or its dataset.json. Throws BadData naming the place in the JSON; a file name that leads out of
-// the folder is refused. Does not look at the files: see check_dataset().
+// the folder is refused. Does not look at the files.
 Dataset load_dataset(const std::filesystem::path& place);
 // Rewrites dataset.json atomically.
 void save_dataset(const Dataset& dataset);
-
-// The box around a mesh, in metres; the room of surfaces reads meshes, so the caller passes how.
-using MeshBounds = std::function<Box3(const std::filesystem::path& file, const std::string& unit)>;
-
-struct DatasetReport {
-  std::vector<std::string> errors;    // any: the data set cannot be relied on
-  std::vector<std::string> warnings;  // worth a look
-  std::vector<std::string> facts;     // one line per recording
-};
-
-// Checks that every file exists, is what its hash says and can be read, and that recordings lie where the mesh is.
-DatasetReport check_dataset(const Dataset& dataset, const MeshBounds& mesh_bounds, const ClockPolicy& clock = {});
-
-// Computes the hash of every file and rewrites dataset.json; throws BadData, changing nothing, when a file is missing.
-void pack_dataset(Dataset& dataset);
-
-// Writes folder and description as one archive (.tar.gz) that is the same for the same content. Throws BadData for
-// another extension.
-void archive_dataset(const Dataset& dataset, const std::filesystem::path& out);
 
 }  // namespace touchstone::recording

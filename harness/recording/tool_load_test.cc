@@ -11,7 +11,7 @@
 namespace touchstone::recording {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 const Vec3 gravity(0, 0, -9.81);
 constexpr std::uint64_t seed = 20260101;
 

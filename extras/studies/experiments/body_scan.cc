@@ -9,8 +9,8 @@
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/replay.h"
 #include "harness/surface/embree_surface.h"
+#include "recipe.h"
 #include "renderers/catalogue.h"
-#include "synthetic/datasets/recipe.h"
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::experiments {
@@ -18,9 +18,9 @@ using recording::Recording;
 using rendering::Model;
 
 BodyScan make_body_scan(std::uint64_t seed, double mu) {
-  synthetic::Recipe recipe = synthetic::recipe("duck");
+  datasets::Recipe recipe = datasets::recipe("duck");
   recipe.contact.mu = mu;
-  const auto measured = synthetic::measure(synthetic::make_scan(recipe, seed), recipe.sensor, recipe.tracker, seed);
+  const auto measured = datasets::measure(datasets::make_scan(recipe, seed), recipe.sensor, recipe.tracker, seed);
   BodyScan scan;
   scan.recording = measured.recording;
   scan.recording.source = "synthetic scan of the duck-like body";
@@ -37,8 +37,8 @@ BodyScan make_body_scan(std::uint64_t seed, double mu) {
   return scan;
 }
 
-Recording measured_again(const Recording& recording, const synthetic::ForceSensor& sensor,
-                         const synthetic::Tracker& tracker, std::uint64_t seed) {
+Recording measured_again(const Recording& recording, const datasets::ForceSensor& sensor,
+                         const datasets::Tracker& tracker, std::uint64_t seed) {
   const MotionColumns& motion = recording.motion;
   const double start_s = motion.t_s.front();
   const double duration_s = motion.t_s.back() - start_s;
@@ -49,7 +49,7 @@ Recording measured_again(const Recording& recording, const synthetic::ForceSenso
   const auto pose = tracker.measure(
       [&](double t_s) {
         const std::size_t i = row(t_s);
-        return synthetic::Tracker::Pose{motion.p_W_m[i], motion.q_WS[i]};
+        return datasets::Tracker::Pose{motion.p_W_m[i], motion.q_WS[i]};
       },
       duration_s, root.stream(0).next_u64());
   if (pose.t_s.size() != motion.size()) throw std::logic_error("measured_again: not a recording at the tracker's rate");

@@ -7,11 +7,11 @@
 #include <memory>
 #include <vector>
 
+#include "force_sensor.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/surface.h"
-#include "synthetic/instruments/force_sensor.h"
-#include "synthetic/instruments/tracker.h"
+#include "tracker.h"
 
 namespace touchstone::experiments {
 
@@ -26,8 +26,8 @@ struct BodyScan {
   double tip_radius_m = 0.0;
   double stiffness_N_per_m = 0.0;  // of the virtual probe, the paper's 0.5 N/mm
   double true_mu = 0.0;            // hidden from the renderers, for the answer
-  synthetic::ForceSensor sensor;   // what is known of the instruments
-  synthetic::Tracker tracker;
+  datasets::ForceSensor sensor;    // what is known of the instruments
+  datasets::Tracker tracker;
 };
 
 // `mu`: the body's friction.
@@ -35,8 +35,8 @@ BodyScan make_body_scan(std::uint64_t seed, double mu);
 
 // What the instruments would have recorded had the tip been where `recording` has it, and felt what it has there: their
 // errors a second time, drawn anew.
-recording::Recording measured_again(const recording::Recording& recording, const synthetic::ForceSensor& sensor,
-                                    const synthetic::Tracker& tracker, std::uint64_t seed);
+recording::Recording measured_again(const recording::Recording& recording, const datasets::ForceSensor& sensor,
+                                    const datasets::Tracker& tracker, std::uint64_t seed);
 
 // The samples in contact of one part of a scan.
 struct ForceError {

@@ -7,9 +7,9 @@
 
 #include "experiments/mesh_family.h"
 #include "harness/surface/embree_surface.h"
+#include "recipe.h"
 #include "renderers/catalogue.h"
 #include "renderers/mesh_traversal/contact_mesh.h"
-#include "synthetic/datasets/recipe.h"
 
 namespace touchstone::experiments {
 
@@ -34,7 +34,7 @@ std::vector<std::size_t> density_triangles() {
 }
 
 DensityExperiment run_density_experiment(std::uint64_t seed) {
-  const BodyScan scan = make_body_scan(seed, synthetic::recipe("duck").contact.mu);
+  const BodyScan scan = make_body_scan(seed, datasets::recipe("duck").contact.mu);
   DensityExperiment experiment{seed, {}};
   for (const surface::TriangleMesh& mesh : decimated_family(scan.finest, density_triangles())) {
     const std::shared_ptr<const surface::Surface> surface = make_embree_surface(mesh);

@@ -39,9 +39,9 @@ Recording resting(std::size_t samples, double rate_Hz) {
 
 TEST(MeasuredAgain, ByPerfectInstrumentsIsTheSame) {
   const Recording recording = resting(200, 60.0);
-  synthetic::Tracker tracker = synthetic::Tracker::perfect();
+  datasets::Tracker tracker = datasets::Tracker::perfect();
   tracker.rate_Hz = 60.0;
-  const Recording again = measured_again(recording, synthetic::ForceSensor::perfect(), tracker, 1);
+  const Recording again = measured_again(recording, datasets::ForceSensor::perfect(), tracker, 1);
   ASSERT_EQ(again.size(), recording.size());
   for (std::size_t i = 0; i < recording.size(); ++i) {
     EXPECT_EQ(again.motion.t_s[i], recording.motion.t_s[i]);
@@ -52,8 +52,8 @@ TEST(MeasuredAgain, ByPerfectInstrumentsIsTheSame) {
 
 TEST(MeasuredAgain, AddsTheInstrumentsErrorsOnceMoreAndOthersForOtherSeeds) {
   const Recording recording = resting(3000, 60.0);
-  const synthetic::Tracker tracker;
-  synthetic::ForceSensor sensor;
+  const datasets::Tracker tracker;
+  datasets::ForceSensor sensor;
   sensor.drift_N_per_sqrt_s = 0.0;
   const Recording again = measured_again(recording, sensor, tracker, 1);
   const Recording same = measured_again(recording, sensor, tracker, 1);

@@ -10,8 +10,8 @@
 #include "harness/rendering/in_trajectory.h"
 #include "harness/report/console.h"
 #include "harness/surface/embree_surface.h"
+#include "recipe.h"
 #include "renderers/catalogue.h"
-#include "synthetic/datasets/recipe.h"
 #include "synthetic/surface_catalogue.h"
 #include "synthetic/surfaces/exact_contact.h"
 
@@ -34,7 +34,7 @@ struct Scene {
 };
 
 Scene make_scene(const VoxelExperimentOptions& options, VoxelExperiment& experiment) {
-  const synthetic::Recipe& duck = synthetic::recipe("duck");
+  const datasets::Recipe& duck = datasets::recipe("duck");
   Scene scene;
   scene.stiffness_N_per_m = duck.stiffness_N_per_m;
   scene.smooth = synthetic::make_surface(duck.surface, duck.parameters);
@@ -43,11 +43,11 @@ Scene make_scene(const VoxelExperimentOptions& options, VoxelExperiment& experim
   scene.surface = make_embree_surface(mesh);
   experiment.surface_build_ms = ms_since(began);
 
-  synthetic::Contact point = duck.contact;
+  datasets::Contact point = duck.contact;
   point.tip_radius_m = 0.0;
-  const std::shared_ptr<const synthetic::Guide> guide = duck.guide(*scene.smooth);
-  const synthetic::RigidScan scan(guide, duck.script(options.seed), point);
-  scene.recording = synthetic::measure(scan, duck.sensor, duck.tracker, options.seed).recording;
+  const std::shared_ptr<const datasets::Guide> guide = duck.guide(*scene.smooth);
+  const datasets::RigidScan scan(guide, duck.script(options.seed), point);
+  scene.recording = datasets::measure(scan, duck.sensor, duck.tracker, options.seed).recording;
   const recording::OutTrajectory out = rendering::make_out_trajectory(scene.recording, *scene.surface, {});
   scene.in = rendering::synthesize_in_trajectory(out, scene.stiffness_N_per_m);
   double square = 0.0;
