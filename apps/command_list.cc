@@ -11,6 +11,7 @@
 #include "harness/metrics/catalogue.h"
 #include "harness/pipeline/evaluation/counted_cost.h"
 #include "harness/pipeline/evaluation/perceived.h"
+#include "harness/rendering/named_declaration.h"
 #include "harness/rendering/smooth_field.h"
 #include "harness/report/listing.h"
 #include "renderers/catalogue.h"

@@ -6,6 +6,7 @@
 #include "harness/base/known_names.h"
 #include "harness/rendering/measured_renderer.h"
 #include "harness/rendering/moving_object.h"
+#include "harness/rendering/named_declaration.h"
 #include "harness/rendering/predictor.h"
 #include "harness/rendering/scene.h"
 #include "harness/surface/embree_surface.h"

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "harness/rendering/named_declaration.h"
 #include "harness/testing/renderer_subject.h"
 #include "renderers/catalogue.h"
 

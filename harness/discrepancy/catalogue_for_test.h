@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/rendering/named_declaration.h"
 #include "harness/rendering/predictor.h"
 #include "renderers/catalogue.h"
 

@@ -22,8 +22,9 @@
 
 namespace touchstone::rendering {
 
-class MeasuredRenderer;  // harness/rendering/measured_renderer.h
-class Predictor;         // harness/rendering/predictor.h
+struct NamedDeclaration;  // harness/rendering/named_declaration.h
+class MeasuredRenderer;   // harness/rendering/measured_renderer.h
+class Predictor;          // harness/rendering/predictor.h
 
 // A renderer whose floating-point operations are counted (operations.h): the same forces to the bit. No renderer if
 // they are not counted; `not_counted` then says why, else what of the model is left out of the count.

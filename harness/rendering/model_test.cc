@@ -7,6 +7,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/rendering/named_declaration.h"
 #include "harness/rendering/parameters.h"
 #include "harness/testing/error_message.h"
 #include "harness/testing/temporary_folder.h"

@@ -10,6 +10,7 @@
 #include "harness/base/known_names.h"
 #include "harness/rendering/declared_effect.h"
 #include "harness/rendering/model.h"
+#include "harness/rendering/named_declaration.h"
 
 namespace touchstone::rendering {
 

@@ -7,19 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/rendering/effect_traits.h"
 #include "harness/rendering/renderer.h"
 
 namespace touchstone::rendering {
-
-// What a renderer, effect or instrument entry may be called and set to.
-struct NamedDeclaration {
-  std::string name;
-  std::string summary;
-  std::vector<ParameterDeclaration> parameters;
-  bool hypothesis = true;  // what may be missing from a model of a measurement: the search tries it
-  EffectTraits traits = {};
-};
 
 class Parameters {
  public:
@@ -35,11 +25,5 @@ class Parameters {
  private:
   std::map<std::string, double, std::less<>> values_;
 };
-
-struct NamedParameters;
-// Finds the entry's name among the declared, or takes its own law, and checks its parameters; throws BadData with its
-// place and what is known.
-Parameters check_entry(const NamedParameters& entry, const std::vector<NamedDeclaration>& known, std::string_view what,
-                       std::string_view source);
 
 }  // namespace touchstone::rendering

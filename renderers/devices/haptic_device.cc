@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/rendering/named_declaration.h"
 
 namespace touchstone::renderers {
 using rendering::Renderer;

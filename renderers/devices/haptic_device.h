@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "harness/rendering/model.h"
+#include "harness/rendering/named_declaration.h"
 #include "harness/rendering/parameters.h"
 #include "harness/rendering/renderer.h"
 

@@ -1,5 +1,6 @@
 #include "renderers/instrument/assemble.h"
 
+#include "harness/rendering/named_declaration.h"
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 #include "renderers/instrument/catalogue.h"

@@ -14,6 +14,7 @@
 #include "harness/recording_checks/check_recording.h"
 #include "harness/rendering/declared_effect.h"
 #include "harness/rendering/in_trajectory.h"
+#include "harness/rendering/named_declaration.h"
 #include "harness/rendering/out_trajectory.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"

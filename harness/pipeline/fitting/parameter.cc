@@ -9,6 +9,7 @@
 
 #include "harness/base/error.h"
 #include "harness/rendering/declared_effect.h"
+#include "harness/rendering/named_declaration.h"
 
 namespace touchstone::pipeline {
 using rendering::Catalogue;
