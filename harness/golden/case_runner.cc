@@ -14,10 +14,12 @@
 #include "harness/golden/acceptance.h"
 #include "harness/golden/comparison/column_file.h"
 #include "harness/golden/comparison/comparison_report.h"
-#include "harness/golden/equal_answers.h"
+#include "harness/golden/felt_verdict.h"
+#include "harness/golden/golden_file.h"
+#include "harness/golden/golden_summary.h"
+#include "harness/golden/judges.h"
 #include "harness/golden/loop_case.h"
 #include "harness/golden/pictures.h"
-#include "harness/perception/filters/weber_law.h"
 #include "harness/plugin/plugin_provenance.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/operations.h"
@@ -61,13 +63,6 @@ std::string hash_of(const rendering::SceneFile& scene, const InTrajectory& traje
   }
   return sha256(all);
 }
-
-// A model of the case: what the case says, and what runs in its place.
-struct CaseModel {
-  std::string name;
-  Model own;
-  Model runs;
-};
 
 CaseModel read_model(const GoldenCase& golden, const std::string& name, const ChangeModel& change) {
   CaseModel model{name, case_model(golden, name), {}};
@@ -123,64 +118,17 @@ double p99(std::vector<double> values) {
   return *at;
 }
 
-std::optional<RunOperations> count_run(const rendering::Catalogue& catalogue, const Model& model,
-                                       std::shared_ptr<const surface::Surface> surface,
-                                       const InTrajectory& trajectory) {
+std::shared_ptr<const RunOperations> count_run(const rendering::Catalogue& catalogue, const Model& model,
+                                               std::shared_ptr<const surface::Surface> surface,
+                                               const InTrajectory& trajectory) {
   const rendering::CountedRenderer counted = catalogue.make_counted(model, std::move(surface));
-  if (!counted.renderer) return std::nullopt;
+  if (!counted.renderer) return nullptr;
   const rendering::OperationReport report =
       count_operations(*counted.renderer, rendering::tip_source(trajectory.motion));
-  return RunOperations{report.total(), report.max};
+  return std::make_shared<const RunOperations>(RunOperations{report.total(), report.max});
 }
 
-// How wide the tolerance gets over the golden's forces, in differences that a fingertip just notices there.
-double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force) {
-  const auto* const x = golden.find("fx");
-  const auto* const y = golden.find("fy");
-  const auto* const z = golden.find("fz");
-  if (x == nullptr || y == nullptr || z == nullptr) return 0.0;
-  double peak = 0.0;
-  for (std::size_t i = 0; i < x->size(); ++i) peak = std::max(peak, Vec3((*x)[i], (*y)[i], (*z)[i]).norm());
-  double share = 0.0;
-  for (std::size_t i = 0; i < x->size(); ++i) {
-    const double newton = Vec3((*x)[i], (*y)[i], (*z)[i]).norm();
-    const double bound = force.atol + force.rtol * newton + force.rpeak * peak;
-    share = std::max(share, bound / perception::fingertip_force.just_noticeable_difference(newton));
-  }
-  return share;
-}
-
-// Judges a run that is beyond tolerance by the exact answer, where there is one: `better` when its force is nearer to
-// it by more than the tolerance, over the run and at its worst.
-void judge_by_exact_answer(const Catalogues& catalogues, const GoldenCase& golden, const CaseModel& model,
-                           const recording::RenderedTrajectory& obtained, CheckResult& result) {
-  if (golden.surface.generator.empty() || golden.loop) return;
-  const auto analytic = catalogues.generators.surface(golden.surface.generator, golden.surface.parameters);
-  result.exact = exact_error(catalogues, *analytic, golden.scale, model.runs, obtained);
-  if (!result.exact || result.comparison.verdict != Verdict::worse) return;
-  const auto before = exact_error(catalogues, *analytic, golden.scale, model.runs,
-                                  recording::load_rendered(golden.expected(model.name)));
-  if (!before) return;
-  result.comparison.problems.push_back(exact_comparison(before, result.exact));
-  const double band_N = golden.tolerance.of("force").atol;
-  if (before->force_rms_N - result.exact->force_rms_N > band_N &&
-      before->force_max_N - result.exact->force_max_N > -band_N)
-    result.comparison.verdict = Verdict::better;
-}
-
-// More, fewer, or none where there were some: each is news. With fused multiply-add a step on a tie takes another
-// branch, up to several times the operations for the same force: there they are measured and not judged.
-void judge_operations(const GoldenCase& golden, const std::string& model, const CaseRun& run, CheckResult& result) {
-  if (build_info().flags.find("-ffp-contract=off") == std::string::npos) return;
-  const auto known = load_operations(golden.summary_file());
-  const auto found = known.find(model);
-  const auto change =
-      operations_change(found == known.end() ? std::nullopt : std::optional(found->second), run.operations);
-  if (!change) return;
-  result.comparison.problems.push_back(change->message);
-  result.comparison.verdict = worst(result.comparison.verdict, change->verdict);
-}
-
+// What ran, and what the judges found.
 void measure(const CheckResult& result, const CaseRun& run, const std::string& hash, std::string& measurements) {
   const auto add = [&](const std::string& name, const auto& value) {
     measurements += report::measurement(name, value);
@@ -195,12 +143,7 @@ void measure(const CheckResult& result, const CaseRun& run, const std::string& h
   } else {
     add("step_p99_us", run.p99_us);
   }
-  add("tolerance_of_jnd", result.share_of_jnd);
-  if (result.exact) {
-    add("exact_force_rms_N", result.exact->force_rms_N);
-    add("exact_force_max_N", result.exact->force_max_N);
-    add("exact_contact_rms_m", result.exact->contact_rms_m);
-  }
+  for (const auto& [name, value] : result.figures) add(name, value);
   add("golden_hash", std::string_view(hash));
 }
 
@@ -228,13 +171,6 @@ std::string declared_not_to_move(const RendererEntry& entry, const GoldenCase& g
   if (scene.bodies.size() < 2 || !scene.moves()) return "";
   return fmt::format("the renderer {} takes one object, and the case has {} that move against each other", entry.name,
                      scene.bodies.size());
-}
-
-// Whether the case's own renderer pushes to the closest surface point, wherever that jumps to.
-bool pushes_to_closest(const Catalogues& catalogues, const CaseModel& model) {
-  const auto& known = catalogues.renderers.renderers();
-  const auto found = std::ranges::find(known, model.own.renderer, &RendererEntry::name);
-  return found != known.end() && find_limitation(found->cannot, rendering::Ability::continuous_force) != nullptr;
 }
 
 // Why the case says nothing about this renderer: it takes one object and the case has several that move, its tip is
@@ -353,49 +289,6 @@ CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const s
 
 namespace {
 
-// Sample by sample where both repeat, and by their figures.
-void judge_loop(const LoopFigures& golden, const CaseRun& run, CheckResult& result) {
-  if (!golden.repeats() || !run.loop->repeats()) {
-    Comparison figures;
-    figures.expected_rows = result.comparison.expected_rows;
-    figures.obtained_rows = result.comparison.obtained_rows;
-    figures.problems = {fmt::format("of a loop that {}, no sample repeats: its figures are compared",
-                                    golden.repeats() ? run.loop->verdict : golden.verdict)};
-    if (!result.comparison.bad_data) result.comparison = std::move(figures);
-  }
-  for (std::string& difference : loop_differences(golden, *run.loop)) {
-    result.comparison.problems.push_back(std::move(difference));
-    result.comparison.verdict = worst(result.comparison.verdict, Verdict::worse);
-  }
-}
-
-// What is said of a run that has a golden: within tolerance or not, nearer to the exact answer or not.
-void judge(const Catalogues& catalogues, const GoldenCase& golden, const CaseModel& model, const CaseCheck& options,
-           const CaseRun& run, const TrajectoryColumns& obtained, TrajectoryColumns& expected, CheckResult& result) {
-  const std::size_t equal_answers = run.surface && pushes_to_closest(catalogues, model)
-                                        ? take_equal_answers(*run.surface, golden.tolerance, obtained, expected)
-                                        : 0;
-  result.comparison = compare(expected, obtained, golden.tolerance);
-  if (equal_answers > 0)
-    result.comparison.problems.push_back(
-        fmt::format("in {} rows another surface point is as close as the golden's, and as right", equal_answers));
-  const std::filesystem::path file = golden.expected(model.name);
-  Provenance made = read_provenance(file);
-  if (golden.loop) judge_loop(loop_figures_of(made, file.string()), run, result);
-  result.same_cpu = made["cpu"] == run.provenance.at("cpu");
-  result.drift_fails = options.fail_on_drift && result.comparison.drift > 0 && result.same_cpu;
-  result.share_of_jnd = share_of_jnd(expected, golden.tolerance.of("force"));
-  if (!(result.share_of_jnd <= golden.jnd_share)) {
-    result.comparison.verdict = Verdict::invalid;
-    result.comparison.problems.push_back(
-        fmt::format("the force tolerance reaches {:.3g} of a just noticeable difference; the case allows itself {:.3g}",
-                    result.share_of_jnd, golden.jnd_share));
-  }
-  if (options.ctest || result.comparison.verdict == Verdict::worse)
-    judge_by_exact_answer(catalogues, golden, model, run.rendered, result);
-  if (!options.change) judge_operations(golden, model.name, run, result);
-}
-
 // What a person needs to look at a failure.
 void leave_behind(const CaseCheck& options, const std::filesystem::path& folder, const CaseRun& run,
                   const TrajectoryColumns& obtained, const TrajectoryColumns& expected, CheckResult& result) {
@@ -413,18 +306,27 @@ void leave_behind(const CaseCheck& options, const std::filesystem::path& folder,
 
 }  // namespace
 
+bool CheckResult::passed() const { return !drift_fails && (felt ? felt->passed : passes(comparison.verdict)); }
+
 CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& name,
                        const CaseCheck& options) {
   const auto folder = result_folder(options.out, golden.name, name);
   CheckResult result;
+  CaseModel model;
   CaseRun run;
   TrajectoryColumns obtained, expected;
   const auto invalid = [&](const Error& error) {
     result.comparison.verdict = Verdict::invalid;
     result.comparison.problems.push_back(error.what());
   };
+  const auto ask = [&](bool against_golden) {
+    const JudgedRun judged{catalogues, golden, model, options, run, obtained, expected};
+    for (const Judge& judge : judges()) {
+      if (judge.needs_golden == against_golden) judge.judge(judged, result);
+    }
+  };
   try {
-    const CaseModel model = read_model(golden, name, options.change);
+    model = read_model(golden, name, options.change);
     if (options.change) result.skipped = declared_not_to_run(catalogues, golden, model);
     if (!result.skipped.empty()) return result;
     expected = load_golden(golden.expected(name), result);
@@ -436,16 +338,12 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
     } catch (const Error& error) {
       invalid(error);
     }
-    if (result.comparison.verdict == Verdict::equal)
-      judge(catalogues, golden, model, options, run, obtained, expected, result);
+    if (result.comparison.verdict == Verdict::equal) ask(true);
   } catch (const BadData& error) {
     if (options.change) throw;  // of what the user put in the place of the case's own
     invalid(error);
   }
-  if (options.felt && !golden.loop && !obtained.columns.empty()) {
-    result.felt = felt_error(catalogues, golden, name, run.rendered, *options.felt);
-    result.comparison.problems.push_back(to_sentence(*result.felt, *options.felt));
-  }
+  ask(false);
   result.table = fmt::format("{} {}\n{}", golden.name, name, to_table(result.comparison));
   clear_result_folder(folder);
   if (options.ctest)

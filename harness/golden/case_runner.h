@@ -4,22 +4,25 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "harness/golden/catalogues.h"
 #include "harness/golden/comparison/compare.h"
-#include "harness/golden/exact_error.h"
-#include "harness/golden/felt_verdict.h"
 #include "harness/golden/golden_case.h"
-#include "harness/golden/golden_file.h"
-#include "harness/golden/golden_summary.h"
+#include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::golden {
 
-struct LoopFigures;
+struct FeltError;      // felt_verdict.h
+struct LoopFigures;    // loop_case.h
+struct RunOperations;  // golden_summary.h
 
 // The case's object and motion, from its files or made by generators; every length times `scale`, the motion `speed`
 // times as fast.
@@ -39,11 +42,11 @@ rendering::Model case_model(const GoldenCase& golden, const std::string& name);
 
 struct CaseRun {
   recording::RenderedTrajectory rendered;
-  Provenance provenance;
+  std::map<std::string, std::string> provenance;    // as golden_file.h names it
   double p99_us = 0.0;                              // of a step
   std::shared_ptr<const surface::Surface> surface;  // of one object; empty for a scene
-  std::shared_ptr<const LoopFigures> loop;          // of a case that closes one (loop_case.h)
-  std::optional<RunOperations> operations;          // where the renderer's are counted
+  std::shared_ptr<const LoopFigures> loop;          // of a case that closes one
+  std::shared_ptr<const RunOperations> operations;  // where the renderer's are counted
 };
 
 // Changes a case's model before it runs.
@@ -53,19 +56,23 @@ using ChangeModel = std::function<void(rendering::Model&)>;
 CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model, bool time_steps,
                  const ChangeModel& change = {});
 
+// For the verdict `felt`: would a person notice the difference from the right answer (felt_verdict.h)?
+struct FeltTolerance {
+  double jnd = 1.0;        // the largest error, in just noticeable differences of the right force
+  double epsilon_m = 0.0;  // what the engine says it cannot tell apart; times the stiffness it is allowed on top
+};
+
 struct CheckResult {
   Comparison comparison;
-  std::string table;                // for people, with why it could not run where that is so
-  double share_of_jnd = 0.0;        // the widest the tolerance gets, in just noticeable differences of force
-  bool same_cpu = false;            // as the golden's
-  bool drift_fails = false;         // bits differ, and that was asked to fail
-  std::optional<ExactError> exact;  // of what was obtained, where an exact answer is known
-  std::optional<FeltError> felt;    // where the verdict `felt` was asked for and the case ran
-  std::string skipped;              // the reason that the renderer declares for what the case demands; else empty
-  std::filesystem::path left_in;    // the folder of a failure, else empty
-  std::string measurements;         // and pictures, for ctest where they were asked for
+  std::string table;                                    // for people, with why it could not run where that is so
+  std::vector<std::pair<std::string, double>> figures;  // of the judges (judges.h), by the name of the measurement
+  bool drift_fails = false;                             // bits differ, and that was asked to fail
+  std::shared_ptr<const FeltError> felt;                // where the verdict `felt` was asked for and the case ran
+  std::string skipped;            // the reason that the renderer declares for what the case demands; else empty
+  std::filesystem::path left_in;  // the folder of a failure, else empty
+  std::string measurements;       // and pictures, for ctest where they were asked for
 
-  [[nodiscard]] bool passed() const { return !drift_fails && (felt ? felt->passed : passes(comparison.verdict)); }
+  [[nodiscard]] bool passed() const;
 };
 
 struct CaseCheck {

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "harness/golden/felt_verdict.h"
+
 namespace touchstone::golden {
 namespace {
 

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/golden/judges.h"
+#include "harness/recording/recording_file.h"
+
 namespace touchstone::golden {
 
 std::optional<ExactError> exact_error(const Catalogues& catalogues, const surface::Surface& analytic, double scale,
@@ -43,6 +46,29 @@ std::string exact_comparison(const std::optional<ExactError>& golden, const std:
       "{:.4g} m ({:.4g})",
       obtained->force_rms_N, golden->force_rms_N, obtained->force_max_N, golden->force_max_N, obtained->contact_rms_m,
       golden->contact_rms_m);
+}
+
+// Nearer to the exact answer by more than the tolerance, over the run and at its worst.
+void judge_by_exact_answer(const JudgedRun& judged, CheckResult& result) {
+  const GoldenCase& golden = judged.golden;
+  if (golden.surface.generator.empty() || golden.loop) return;
+  if (!judged.options.ctest && result.comparison.verdict != Verdict::worse) return;
+  const auto analytic = judged.catalogues.generators.surface(golden.surface.generator, golden.surface.parameters);
+  const auto error_of = [&](const recording::RenderedTrajectory& run) {
+    return exact_error(judged.catalogues, *analytic, golden.scale, judged.model.runs, run);
+  };
+  const auto obtained = error_of(judged.run.rendered);
+  if (!obtained) return;
+  result.figures.emplace_back("exact_force_rms_N", obtained->force_rms_N);
+  result.figures.emplace_back("exact_force_max_N", obtained->force_max_N);
+  result.figures.emplace_back("exact_contact_rms_m", obtained->contact_rms_m);
+  if (result.comparison.verdict != Verdict::worse) return;
+  const auto before = error_of(recording::load_rendered(golden.expected(judged.model.name)));
+  if (!before) return;
+  result.comparison.problems.push_back(exact_comparison(before, obtained));
+  const double band_N = golden.tolerance.of("force").atol;
+  if (before->force_rms_N - obtained->force_rms_N > band_N && before->force_max_N - obtained->force_max_N > -band_N)
+    result.comparison.verdict = Verdict::better;
 }
 
 }  // namespace touchstone::golden

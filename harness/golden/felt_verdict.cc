@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/golden/case_runner.h"
+#include "harness/golden/judges.h"
 #include "harness/perception/filters/weber_law.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/generators.h"
@@ -174,6 +174,14 @@ FeltError felt_error(const Catalogues& catalogues, const GoldenCase& golden, con
   error.rms_N = std::sqrt(square / static_cast<double>(judged));
   error.passed = error.max_jnd <= tolerance.jnd && std::isfinite(error.rms_N);
   return error;
+}
+
+void judge_felt(const JudgedRun& judged, CheckResult& result) {
+  const auto& tolerance = judged.options.felt;
+  if (!tolerance || judged.golden.loop || judged.obtained.columns.empty()) return;
+  result.felt = std::make_shared<const FeltError>(
+      felt_error(judged.catalogues, judged.golden, judged.model.name, judged.run.rendered, *tolerance));
+  result.comparison.problems.push_back(to_sentence(*result.felt, *tolerance));
 }
 
 std::string to_sentence(const FeltError& error, const FeltTolerance& tolerance) {

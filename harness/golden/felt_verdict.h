@@ -5,16 +5,10 @@
 #include <cstddef>
 #include <string>
 
-#include "harness/golden/catalogues.h"
-#include "harness/golden/golden_case.h"
+#include "harness/golden/case_runner.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::golden {
-
-struct FeltTolerance {
-  double jnd = 1.0;        // the largest error, in just noticeable differences of the right force
-  double epsilon_m = 0.0;  // what the engine says it cannot tell apart; times the stiffness it is allowed on top
-};
 
 struct FeltError {
   std::string reference;      // "exact", "golden", or "both": what the samples were judged by

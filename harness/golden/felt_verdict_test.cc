@@ -15,6 +15,7 @@
 #include "harness/base/error.h"
 #include "harness/golden/case_runner.h"
 #include "harness/golden/comparison/column_file.h"
+#include "harness/golden/golden_file.h"
 #include "harness/recording/recording_file.h"
 #include "renderers/catalogue.h"
 #include "synthetic/generators.h"

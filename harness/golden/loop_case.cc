@@ -13,6 +13,7 @@
 #include "harness/base/json_reader.h"
 #include "harness/base/other_program.h"
 #include "harness/base/scratch_folder.h"
+#include "harness/golden/judges.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/renderer_entry.h"
 #include "harness/surface/mesh_file.h"
@@ -144,6 +145,26 @@ std::vector<std::string> loop_differences(const LoopFigures& golden, const LoopF
                     obtained.buzz_N, obtained.buzz_jnd, golden.buzz_N, golden.buzz_jnd));
   }
   return out;
+}
+
+// Sample by sample where both repeat, and by their figures.
+void judge_loop(const JudgedRun& judged, CheckResult& result) {
+  if (!judged.golden.loop) return;
+  const auto file = judged.golden.expected(judged.model.name);
+  const LoopFigures golden = loop_figures_of(read_provenance(file), file.string());
+  const LoopFigures& obtained = *judged.run.loop;
+  if (!golden.repeats() || !obtained.repeats()) {
+    Comparison figures;
+    figures.expected_rows = result.comparison.expected_rows;
+    figures.obtained_rows = result.comparison.obtained_rows;
+    figures.problems = {fmt::format("of a loop that {}, no sample repeats: its figures are compared",
+                                    golden.repeats() ? obtained.verdict : golden.verdict)};
+    if (!result.comparison.bad_data) result.comparison = std::move(figures);
+  }
+  for (std::string& difference : loop_differences(golden, obtained)) {
+    result.comparison.problems.push_back(std::move(difference));
+    result.comparison.verdict = worst(result.comparison.verdict, Verdict::worse);
+  }
 }
 
 std::vector<std::pair<std::string, double>> metrics_of(const LoopFigures& figures) {
