@@ -22,8 +22,8 @@
 #include "harness/golden/golden_store.h"
 #include "harness/golden/scored_renderer.h"
 #include "harness/plugin/plugin.h"
-#include "harness/testing/conformance_recorder.h"
 #include "harness/testing/renderer_subject.h"
+#include "harness/testing/result_recorder.h"
 #include "harness/testing/temporary_folder.h"
 #include "renderers/catalogue.h"
 #include "synthetic/generators.h"
@@ -50,7 +50,7 @@ constexpr const char* usage =
     "  --golden      folder of the golden cases; those that come with the program where not given\n"
     "  --model       the model of the golden cases whose place the renderer takes; god-object where not given\n"
     "  --no-cases    no golden cases\n"
-    "  --results     write each test's outcome there, for touchstone-conformance-result; exit status 0 then, as each\n"
+    "  --results     write each test's outcome there, for touchstone-test-result; exit status 0 then, as each\n"
     "                test fails by its own name\n"
     "  --in-child    run the plug-in in a child process, as the program does; allocations are not seen there\n"
     "Exit status: 0 passed, 1 a test failed, 2 usage, 3 the plug-in cannot be used.\n";
@@ -284,7 +284,7 @@ int main(int argc, char** argv) {
   if (!options.in_child) run_again_if_it_crashes(argc, argv);
   ::testing::InitGoogleTest(&argc, argv);
   if (options.results.empty()) return RUN_ALL_TESTS();
-  ::testing::UnitTest::GetInstance()->listeners().Append(new touchstone::testing::ConformanceRecorder(options.results));
+  ::testing::UnitTest::GetInstance()->listeners().Append(new touchstone::testing::ResultRecorder(options.results));
   // Each test fails by its own name: a record of failures is a good record.
   const int failed = RUN_ALL_TESTS();
   return ::testing::UnitTest::GetInstance()->test_to_run_count() > 0 ? 0 : failed;

@@ -24,8 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view prefix = "touchstone-";
 // Beside the program, and not for people.
-constexpr std::array<std::string_view, 5> own_parts{"conformance-result", "emulated-lab", "evaluate", "full",
-                                                    "plugin-host"};
+constexpr std::array<std::string_view, 5> own_parts{"test-result", "emulated-lab", "evaluate", "full", "plugin-host"};
 
 bool is_name(std::string_view name) {
   return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string_view::npos &&

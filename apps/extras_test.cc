@@ -87,7 +87,7 @@ TEST_F(Extras, AreLookedForBesideTheNamesOfAllCommands) {
 // touchstone-full and the like are how the program is made or tested, no commands; in a build folder they stand beside
 // it.
 TEST_F(Extras, AreNotThePartsOfTheProgram) {
-  for (const char* const part : {"full", "plugin-host", "conformance-result", "emulated-lab"}) {
+  for (const char* const part : {"full", "plugin-host", "test-result", "emulated-lab"}) {
     add(part, "#!/bin/sh\n");
     EXPECT_THAT(run("--help").out, Not(HasSubstr(fmt::format(" {} (", part)))) << part;
     const Outcome run_part = run(part);

@@ -9,7 +9,7 @@
 # touchstone_extra_formats(<name> file.json)
 #   A table of the files that the extra reads and writes, for `touchstone formats`.
 # touchstone_add_tests(<name> SOURCES a_test.cc... LIBS target... [HEADERS a_for_test.h...] [LABELS l...] [TIMEOUT s]
-#                      [ENVIRONMENT NAME=value...] [SERIAL])
+#                      [ENVIRONMENT NAME=value...] [SERIAL] [RUNS n])
 function(touchstone_extra_library name)
   cmake_parse_arguments(ARG "HOT" "" "SOURCES;LIBS;PRIVATE_LIBS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
@@ -84,7 +84,7 @@ endforeach()
     set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${CMAKE_CURRENT_BINARY_DIR}/${list}.cmake)
   endfunction()
   function(touchstone_add_tests name)
-    cmake_parse_arguments(ARG "SERIAL;ALONE" "TIMEOUT" "SOURCES;HEADERS;LIBS;LABELS;ENVIRONMENT" ${ARGN})
+    cmake_parse_arguments(ARG "SERIAL;ALONE" "TIMEOUT;RUNS" "SOURCES;HEADERS;LIBS;LABELS;ENVIRONMENT" ${ARGN})
     if(NOT ARG_TIMEOUT)
       set(ARG_TIMEOUT 120)
     endif()

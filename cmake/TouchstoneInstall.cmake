@@ -42,7 +42,7 @@ foreach(room IN LISTS rooms)
   endif()
 endforeach()
 if(TARGET touchstone_conformance)
-  string(APPEND artefacts "$<TARGET_FILE:touchstone_conformance>\n$<TARGET_FILE:touchstone_conformance_result>\n")
+  string(APPEND artefacts "$<TARGET_FILE:touchstone_conformance>\n$<TARGET_FILE:touchstone_test_result>\n")
 endif()
 file(GENERATE OUTPUT ${TOUCHSTONE_INSTALLED_FILES} CONTENT "${artefacts}")
 

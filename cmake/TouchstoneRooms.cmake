@@ -232,13 +232,16 @@ function(touchstone_label_by_night)
 endfunction()
 
 # touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL]
-#                      [ENVIRONMENT NAME=value...] [SHARDS n] [ALONE] [HEADERS a_for_test.h...])
+#                      [ENVIRONMENT NAME=value...] [SHARDS n] [RUNS n] [ALONE] [HEADERS a_for_test.h...])
 # HEADERS: those of tests, and private ones of rooms, that these tests include.
 # ALONE: each file is a unit of its own, for tests whose unnamed namespaces have names in common.
 # Makes the GoogleTest program touchstone_<name>_test and one ctest test per case, found when ctest runs; with SHARDS n
 # parts of many cases each, for thousands of cases that cost less than the start of the program.
+# RUNS n: the cases that run by day do so in n runs, the tests <name>.run_<i>_of_<n>, which ctest starts first; each case
+# tells its outcome of there, or, if it is chosen without them or a run ended before it, runs by itself. For suites of cases
+# that share nothing and cost less than the start of the program.
 function(touchstone_add_tests name)
-  cmake_parse_arguments(ARG "SERIAL;ALONE" "TIMEOUT;SHARDS" "SOURCES;HEADERS;LIBS;LABELS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;ALONE" "TIMEOUT;SHARDS;RUNS" "SOURCES;HEADERS;LIBS;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT BUILD_TESTING)
     return()
   endif()
@@ -248,7 +251,12 @@ function(touchstone_add_tests name)
     touchstone_wall(${target} PRIVATE ${ARG_HEADERS})
   endif()
   target_link_libraries(${target} PRIVATE touchstone_options ${ARG_LIBS} Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json
-    GTest::gmock GTest::gtest GTest::gtest_main)
+    GTest::gmock GTest::gtest)
+  if(ARG_RUNS)
+    target_link_libraries(${target} PRIVATE touchstone_recorded_tests_main)
+  else()
+    target_link_libraries(${target} PRIVATE GTest::gtest_main)
+  endif()
   target_compile_options(${target} PRIVATE -O1)
   target_precompile_headers(${target} REUSE_FROM touchstone_test_pch)
   if(ARG_ALONE)
@@ -267,7 +275,7 @@ function(touchstone_add_tests name)
     touchstone_shard_tests(${target} PREFIX ${name} LABELS ${ARG_LABELS} TIMEOUT ${ARG_TIMEOUT} SHARDS ${ARG_SHARDS}
       ENVIRONMENT ${ARG_ENVIRONMENT})
   else()
-    touchstone_discover_tests(${target} PREFIX ${name} LABELS ${ARG_LABELS} TIMEOUT ${ARG_TIMEOUT} SERIAL ${ARG_SERIAL}
+    touchstone_discover_tests(${target} PREFIX ${name} LABELS ${ARG_LABELS} TIMEOUT ${ARG_TIMEOUT} SERIAL ${ARG_SERIAL} RUNS "${ARG_RUNS}"
       ENVIRONMENT ${ARG_ENVIRONMENT})
   endif()
 endfunction()
@@ -295,13 +303,20 @@ function(touchstone_test_environment variable)
     "TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone" ${ARGN} PARENT_SCOPE)
 endfunction()
 
-# touchstone_discover_tests(<target> PREFIX p LABELS l... TIMEOUT seconds SERIAL bool [ENVIRONMENT NAME=value...])
+# touchstone_discover_tests(<target> PREFIX p LABELS l... TIMEOUT seconds SERIAL bool [RUNS n] [ENVIRONMENT NAME=value...])
 # One ctest test per case of a GoogleTest program, named p.Suite.Case. A program may be given twice under two prefixes.
 # gtest_discover_tests splits lists among its PROPERTIES, so labels and environment are set by a file that ctest reads
 # after the tests were found.
 function(touchstone_discover_tests target)
-  cmake_parse_arguments(ARG "" "PREFIX;TIMEOUT;SERIAL" "LABELS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "" "PREFIX;TIMEOUT;SERIAL;RUNS" "LABELS;ENVIRONMENT" ${ARGN})
   set(list touchstone_tests_${ARG_PREFIX})
+  set(results ${CMAKE_CURRENT_BINARY_DIR}/test-results/${ARG_PREFIX})
+  if(ARG_RUNS)
+    set_target_properties(${target} PROPERTIES CROSSCOMPILING_EMULATOR "${PROJECT_BINARY_DIR}/bin/touchstone-test-result;${results}")
+    add_dependencies(${target} touchstone_test_result)
+  endif()
+  get_target_property(program_folder ${target} BINARY_DIR)
+  set(program ${program_folder}/${target})
   math(EXPR ARG_TIMEOUT "${TOUCHSTONE_TIMEOUT_FACTOR} * ${ARG_TIMEOUT}")
   # A busy machine may take longer to list thousands of cases than the 5 s after which CMake gives up on all of them.
   # The name that a case has in its program, without the value behind it: of a value that GoogleTest cannot print that is its
@@ -309,15 +324,34 @@ function(touchstone_discover_tests target)
   gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 NO_PRETTY_VALUES TEST_PREFIX "${ARG_PREFIX}."
     TEST_LIST ${list} PROPERTIES TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})
   touchstone_test_environment(environment ${ARG_ENVIRONMENT})
+  set(runs "")
+  if(ARG_RUNS)
+    foreach(i RANGE 1 ${ARG_RUNS})
+      list(APPEND runs ${ARG_PREFIX}.run_${i}_of_${ARG_RUNS})
+    endforeach()
+  endif()
+  math(EXPR run_timeout "5 * ${ARG_TIMEOUT}")
   set(properties_file ${CMAKE_CURRENT_BINARY_DIR}/${list}_properties.cmake)
   file(CONFIGURE OUTPUT ${properties_file} @ONLY CONTENT [=[
 include("@PROJECT_BINARY_DIR@/by_night.cmake")
+set(others "")
 foreach(test IN LISTS @list@)
   set(labels "@ARG_LABELS@")
+  set(runs "@runs@")
   if(test MATCHES "${by_night}")
     list(APPEND labels nightly by_turns)
+    set(runs "")
+    string(REGEX REPLACE "^@ARG_PREFIX@[.]" ":" case "${test}")
+    string(APPEND others "${case}")
   endif()
-  set_tests_properties("${test}" PROPERTIES LABELS "${labels}" ENVIRONMENT "@environment@")
+  set_tests_properties("${test}" PROPERTIES LABELS "${labels}" ENVIRONMENT "@environment@" DEPENDS "${runs}")
+endforeach()
+set(number 0)
+foreach(run IN ITEMS @runs@)
+  add_test(${run} "@program@" "--gtest_filter=-${others}" --gtest_brief=1 --gtest_also_run_disabled_tests)
+  set_tests_properties(${run} PROPERTIES LABELS "@ARG_LABELS@" TIMEOUT @run_timeout@ FAIL_REGULAR_EXPRESSION " 0 tests from 0 test suites ran"
+    ENVIRONMENT "@environment@;TOUCHSTONE_TEST_RESULTS=@results@;GTEST_TOTAL_SHARDS=@ARG_RUNS@;GTEST_SHARD_INDEX=${number}")
+  math(EXPR number "${number} + 1")
 endforeach()
 ]=])
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${properties_file})

@@ -1,7 +1,7 @@
-// One run of the whole conformance suite serves every test of one ctest run: it writes each test's outcome into a
-// folder (conformance_recorder.h), and the program touchstone-conformance-result tells it in that test's place.
-// Outcomes are those of the same ctest (the parent process, by its number and start), so that a test that is run alone,
-// or again, does run. Without any library but the standard one: this is started once for every test.
+// One run of many tests of a GoogleTest program serves each of them in one ctest run: it writes each test's outcome
+// into a folder (result_recorder.h), and the program touchstone-test-result tells it in that test's place. Outcomes are
+// those of the same ctest (the parent process, by its number and start), so that a test that is run alone, or again,
+// does run. Without any library but the standard one: this is started once for every test.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Writes the outcome of each test of a GoogleTest program where conformance_results.h looks for it.
+// Writes the outcome of each test of a GoogleTest program where recorded_results.h looks for it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 namespace touchstone::testing {
 
 // Writes each test's outcome as it ends, so that those before a crash are there. Removes what earlier ctest runs left.
-class ConformanceRecorder : public ::testing::EmptyTestEventListener {
+class ResultRecorder : public ::testing::EmptyTestEventListener {
  public:
   // Throws BadData naming the folder if nothing can be written there.
-  explicit ConformanceRecorder(const std::filesystem::path& results);
+  explicit ResultRecorder(const std::filesystem::path& results);
   void OnTestStart(const ::testing::TestInfo& test) override;
   void OnTestPartResult(const ::testing::TestPartResult& part) override;
   void OnTestEnd(const ::testing::TestInfo& test) override;

@@ -1,15 +1,15 @@
-#include "harness/testing/conformance_recorder.h"
+#include "harness/testing/result_recorder.h"
 
 #include <fmt/format.h>
 
 #include "harness/base/atomic_file.h"
-#include "harness/testing/conformance_results.h"
+#include "harness/testing/recorded_results.h"
 
 namespace touchstone::testing {
 
 namespace fs = std::filesystem;
 
-ConformanceRecorder::ConformanceRecorder(const fs::path& results) : folder_(results) {
+ResultRecorder::ResultRecorder(const fs::path& results) : folder_(results) {
   const fs::path own = results_of_this_run(results);
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(results, ignored)) {
@@ -21,15 +21,15 @@ ConformanceRecorder::ConformanceRecorder(const fs::path& results) : folder_(resu
   ensure_writable_folder(own);
 }
 
-void ConformanceRecorder::OnTestStart(const ::testing::TestInfo&) { text_.clear(); }
+void ResultRecorder::OnTestStart(const ::testing::TestInfo&) { text_.clear(); }
 
-void ConformanceRecorder::OnTestPartResult(const ::testing::TestPartResult& part) {
+void ResultRecorder::OnTestPartResult(const ::testing::TestPartResult& part) {
   if (part.passed()) return;
   if (part.file_name() != nullptr) text_ += fmt::format("{}:{}: ", part.file_name(), part.line_number());
   text_ += std::string(part.message()) + "\n";
 }
 
-void ConformanceRecorder::OnTestEnd(const ::testing::TestInfo& test) {
+void ResultRecorder::OnTestEnd(const ::testing::TestInfo& test) {
   constexpr int skipped = 77;
   const int status = test.result()->Failed() ? 1 : test.result()->Skipped() ? skipped : 0;
   write_file(result_file(folder_, std::string(test.test_suite_name()) + "." + test.name()),

@@ -1,14 +1,14 @@
-#include "harness/testing/conformance_results.h"
+#include "harness/testing/recorded_results.h"
 
 #include <gtest/gtest.h>
 
 #include "harness/base/atomic_file.h"
-#include "harness/testing/conformance_recorder.h"
+#include "harness/testing/result_recorder.h"
 
 namespace touchstone::testing {
 namespace {
 
-TEST(ConformanceResults, OnlyThoseOfThisCtestRunCount) {
+TEST(RecordedResults, OnlyThoseOfThisCtestRunCount) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-conformance-results";
   std::filesystem::remove_all(folder);
   const std::string test = "Plugin/RendererConformance.NoForceInFreeSpace/mine_cube";
@@ -17,7 +17,7 @@ TEST(ConformanceResults, OnlyThoseOfThisCtestRunCount) {
   // What an earlier run left is removed, what somebody else put there is not.
   std::filesystem::create_directories(folder / "12-345");
   std::filesystem::create_directories(folder / "notes");
-  const ConformanceRecorder recorder(folder);
+  const ResultRecorder recorder(folder);
   EXPECT_FALSE(std::filesystem::exists(folder / "12-345"));
   EXPECT_TRUE(std::filesystem::exists(folder / "notes"));
 

@@ -1,4 +1,4 @@
-#include "harness/testing/conformance_results.h"
+#include "harness/testing/recorded_results.h"
 
 #include <unistd.h>
 
