@@ -11,7 +11,6 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
 #include "harness/bisection/answer_report.h"
-#include "harness/bisection/child_process.h"
 #include "harness/bisection/measured_table.h"
 #include "harness/bisection/measures.h"
 #include "harness/bisection/reference.h"
@@ -120,7 +119,7 @@ ExitStatus bisect_command(const BisectFlags& flags) {
     fmt::print("kept: {} (answer.json, {}measured.jsonl, logs)\n", request.out.string(),
                problem.empty() ? "curve.png, " : "");
     return answer.steps.empty() && answer.drifts.empty() ? ExitStatus::failed : ExitStatus::passed;
-  } catch (const bisection::Interrupted&) {
+  } catch (const Interrupted&) {
     throw BadData(fmt::format("interrupted; the checkout is as it was. The same command goes on from {}",
                               (request.out / "measured.jsonl").string()));
   }

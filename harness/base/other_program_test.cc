@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <thread>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/scratch_folder.h"
 
 namespace touchstone {
 namespace {
@@ -41,6 +46,53 @@ TEST(OtherProgram, ReadsAFileAsItsInput) {
   EXPECT_EQ(end->out, "seven");
   EXPECT_FALSE(run_other({{"cat"}, Printed::kept, Printed::dropped, file / "not there"}));
   std::filesystem::remove(file);
+}
+
+TEST(OtherProgram, PrintsIntoFilesInAFolderWithVariables) {
+  const ScratchFolder scratch;
+  OtherProgram program{{"sh", "-c", "pwd; echo $COLOUR $HOME; echo wrong >&2"}};
+  program.out_file = scratch.path() / "out";
+  program.err_file = scratch.path() / "log";
+  program.folder = scratch.path();
+  program.environment = {{"COLOUR", "red"}, {"HOME", "here"}};
+  for (int i = 0; i < 2; ++i) ASSERT_EQ(run_other(program)->status, 0);
+  EXPECT_EQ(read_file(program.out_file), std::filesystem::canonical(scratch.path()).string() + "\nred here\n");
+  EXPECT_EQ(read_file(program.err_file), "wrong\nwrong\n") << "the log is added to";
+  program.out_file.clear();
+  program.out = Printed::with_errors;
+  ASSERT_EQ(run_other(program)->status, 0);
+  EXPECT_NE(read_file(program.err_file).find("red here\nwrong\n"), std::string::npos);
+  program.err_file = scratch.path() / "no" / "log";
+  EXPECT_FALSE(run_other(program));
+}
+
+// With all that it started, also what does not listen.
+TEST(OtherProgram, IsEndedWhenAskedTo) {
+  const ScratchFolder scratch;
+  OtherProgram program{{"sh", "-c", "(trap '' TERM; exec sleep 600) & echo $! >child; wait"}};
+  program.folder = scratch.path();
+  const auto child = scratch.path() / "child";
+  std::atomic<bool> stop = false;
+  program.stop = &stop;
+  std::thread stopper([&] {
+    while (!std::filesystem::exists(child) || read_file(child).empty())
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    stop = true;
+  });
+  EXPECT_THROW(run_other(program), Interrupted);
+  stopper.join();
+  const pid_t pid = std::stoi(read_file(child));
+  // Soon gone, or a zombie that nobody has waited for.
+  const auto runs = [&] {
+    std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+    std::string text;
+    std::getline(stat, text);
+    return !text.empty() && text.find(") Z") == std::string::npos;
+  };
+  while (runs()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  stop = false;
+  program.words = {"true"};
+  EXPECT_EQ(run_other(program)->status, 0);
 }
 
 TEST(OtherProgram, WithoutATerminalItHasASessionOfItsOwn) {

@@ -9,7 +9,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/bisection/child_process.h"
+#include "harness/bisection/logged_program.h"
 #include "harness/bisection/worktrees.h"
 
 namespace touchstone::bisection {
@@ -154,8 +154,7 @@ class Searcher {
                          {"WORK", built.work.string()},
                          {"COMMIT", commit}};
     request_->say(fmt::format("building {} {}", short_name(commit), history_->title(commit)));
-    const ChildCommand build{{"sh", "-c", request_->build_command}, built.source, built.environment, {}, built.log};
-    if (run_child(build, *stop_) != 0) {
+    if (!succeeds(shell_command(request_->build_command, built, *stop_))) {
       table_.add_broken(commit, "does not build");
       return;
     }

@@ -14,7 +14,6 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/bisection/answer_report.h"
-#include "harness/bisection/child_process.h"
 #include "harness/bisection/measured_table.h"
 
 namespace touchstone::bisection {

@@ -10,7 +10,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/bisection/child_process.h"
+#include "harness/bisection/logged_program.h"
 #include "harness/golden/comparison/column_file.h"
 #include "harness/golden/comparison/comparison_report.h"
 #include "harness/golden/comparison/error_regimes.h"
@@ -62,7 +62,7 @@ class Replayer {
 
   bool replay(const BuiltCommit& built, const fs::path& program, const fs::path& rendered, const fs::path& timing,
               const std::atomic<bool>& stop) const {
-    ChildCommand command;
+    OtherProgram command = logged_program(built.log, stop);
     command.words = {program.string(), "replay",
                      "--model",        file(request_.model + ".json").string(),
                      "--mesh",         file("mesh.obj").string(),
@@ -77,8 +77,7 @@ class Replayer {
       command.words.push_back(timing.string());
     }
     command.environment = built.environment;
-    command.log = built.log;
-    return run_child(command, stop) == 0 && fs::exists(rendered);
+    return succeeds(command) && fs::exists(rendered);
   }
 
   [[nodiscard]] std::optional<double> compared(const fs::path& rendered) const {
@@ -163,8 +162,9 @@ Measure replay_measure(const ReplayMeasure& request) {
 Measure command_measure(const std::string& command) {
   return [command](const BuiltCommit& built, const std::atomic<bool>& stop) -> std::optional<double> {
     const fs::path out = built.work / "measured.txt";
-    const ChildCommand child{{"sh", "-c", command}, built.source, built.environment, out, built.log};
-    if (run_child(child, stop) != 0) return std::nullopt;
+    OtherProgram child = shell_command(command, built, stop);
+    child.out_file = out;
+    if (!succeeds(child)) return std::nullopt;
     std::string text = read_file(out);
     while (!text.empty() && (text.back() == '\n' || text.back() == ' ' || text.back() == '\r')) text.pop_back();
     text = text.substr(text.find_last_of("\n ") == std::string::npos ? 0 : text.find_last_of("\n ") + 1);

@@ -7,7 +7,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/bisection/child_process.h"
+#include "harness/bisection/logged_program.h"
 
 namespace touchstone::bisection {
 
@@ -15,13 +15,12 @@ namespace fs = std::filesystem;
 
 void export_reference(const GoldenReference& reference, const fs::path& to, const fs::path& log,
                       const std::atomic<bool>& stopped) {
-  ChildCommand command;
+  OtherProgram command = logged_program(log, stopped);
   command.words = {reference.program.string(), "golden", "export", reference.golden_case, "--to", to.string()};
   if (!reference.golden_folder.empty())
     command.words.insert(command.words.end(), {"--golden", reference.golden_folder});
-  command.log = log;
   fs::remove(log);
-  if (run_child(command, stopped) != 0)
+  if (!succeeds(command))
     throw UsageError(fmt::format("--case {}: cannot be exported: {}", reference.golden_case, read_file(log)));
 }
 
