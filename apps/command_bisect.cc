@@ -10,6 +10,7 @@
 #include "apps/commands.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
+#include "harness/base/other_program.h"
 #include "harness/bisection/answer_report.h"
 #include "harness/bisection/measured_table.h"
 #include "harness/bisection/measures.h"

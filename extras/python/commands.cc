@@ -14,6 +14,7 @@
 #include "apps/program.h"
 #include "command_axis.h"
 #include "dashboard_commands.h"
+#include "dataset_commands.h"
 #include "harness/base/input_files.h"
 #include "leaderboard_command.h"
 #include "module.h"
@@ -71,7 +72,8 @@ class ProtectedInputs {
 std::vector<apps::AddCommand> all_commands() {
   std::vector<apps::AddCommand> all = apps::commands();
   all.insert(all.end(), {acquisition::add_acquire, axis::add_axis, board::add_leaderboard, dashboard::add_dashboard,
-                         dashboard::add_history, studies::add_atlas, studies::add_sweep, tool::add_tool});
+                         datasets::add_dataset, datasets::add_synth, dashboard::add_history, studies::add_atlas,
+                         studies::add_sweep, tool::add_tool});
   return all;
 }
 
