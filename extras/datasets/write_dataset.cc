@@ -10,6 +10,7 @@
 #include "harness/base/units.h"
 #include "harness/recording/dataset.h"
 #include "harness/recording/recording_file.h"
+#include "packed_dataset.h"
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::datasets {

@@ -86,12 +86,14 @@ std::vector<std::string> whole_environment(const OtherProgram& program) {
   }
   for (const auto& [name, value] : program.environment) values[name] = value;
   std::vector<std::string> result;
-  for (const auto& [name, value] : values) result.push_back(name + '=' + value);
+  result.reserve(values.size());
+  for (const auto& [name, value] : values) result.emplace_back(name).append("=").append(value);
   return result;
 }
 
 std::vector<char*> pointers_to(std::vector<std::string>& words) {
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   return pointers;

@@ -308,11 +308,11 @@ void leave_behind(const CaseCheck& options, const std::filesystem::path& folder,
 
 bool CheckResult::passed() const { return !drift_fails && (felt ? felt->passed : passes(comparison.verdict)); }
 
-CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& name,
+CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
                        const CaseCheck& options) {
-  const auto folder = result_folder(options.out, golden.name, name);
+  const auto folder = result_folder(options.out, golden.name, model);
   CheckResult result;
-  CaseModel model;
+  CaseModel wanted;
   CaseRun run;
   TrajectoryColumns obtained, expected;
   const auto invalid = [&](const Error& error) {
@@ -320,19 +320,19 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
     result.comparison.problems.push_back(error.what());
   };
   const auto ask = [&](bool against_golden) {
-    const JudgedRun judged{catalogues, golden, model, options, run, obtained, expected};
+    const JudgedRun judged{catalogues, golden, wanted, options, run, obtained, expected};
     for (const Judge& judge : judges()) {
       if (judge.needs_golden == against_golden) judge.judge(judged, result);
     }
   };
   try {
-    model = read_model(golden, name, options.change);
-    if (options.change) result.skipped = declared_not_to_run(catalogues, golden, model);
+    wanted = read_model(golden, model, options.change);
+    if (options.change) result.skipped = declared_not_to_run(catalogues, golden, wanted);
     if (!result.skipped.empty()) return result;
-    expected = load_golden(golden.expected(name), result);
+    expected = load_golden(golden.expected(model), result);
     try {
-      run = run_model(catalogues, golden, model, options.ctest);
-      obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, name));
+      run = run_model(catalogues, golden, wanted, options.ctest);
+      obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, model));
     } catch (const UsageError&) {
       throw;
     } catch (const Error& error) {
@@ -344,7 +344,7 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
     invalid(error);
   }
   ask(false);
-  result.table = fmt::format("{} {}\n{}", golden.name, name, to_table(result.comparison));
+  result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
   clear_result_folder(folder);
   if (options.ctest)
     measure(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256, result.measurements);

@@ -72,9 +72,9 @@ class SmoothBody {
         stiffness_(parameter_of(catalogues.renderers, model, "stiffness_N_per_m").value_or(0.0)),
         radius_m_(parameter_of(catalogues.renderers, model, "tip_radius_m").value_or(0.0) / golden.scale),
         analytic_(generators_->surface(golden.surface.generator, golden.surface.parameters)) {
-    auto made = generators_->mesh(golden.surface.generator, golden.surface.parameters, golden.surface.triangles);
+    const auto made = generators_->mesh(golden.surface.generator, golden.surface.parameters, golden.surface.triangles);
     deviation_m_ = made.deviation_bound_m;
-    mesh_ = make_embree_surface(std::move(made.mesh));
+    mesh_ = make_embree_surface(made.mesh);
   }
 
   const rendering::Generators* generators_;
