@@ -5,6 +5,7 @@
 #include "harness/base/error.h"
 
 namespace touchstone::datasets {
+using synthetic::HeightField;
 
 GuidePoint HeightFieldGuide::at(const Vec3& target) const {
   const HeightField::Height h = surface_->height(target.x(), target.y());
