@@ -18,21 +18,29 @@ double non_negative(JsonObject& object, std::string_view key) {
   return value;
 }
 
-// The standard deviation of white noise in a series, from its third differences by their median: differences remove
-// what varies slowly, the median what varies in bursts. The two factors turn the median into a standard deviation.
-// An axis that never changes was not measured: force against displacement has two of them.
-double noise_of(const std::vector<Vec3>& series) {
-  std::vector<double> magnitudes;
+// The standard deviation of white noise in a series, from its differences of an order over a lag of samples by their
+// median: differences remove what varies slowly, the median what varies in bursts. The two factors turn the median into
+// a standard deviation. An axis that never changes was not measured: force against displacement has two of them.
+double noise_of(std::vector<Vec3> series, int order, std::size_t lag) {
+  if (series.empty()) return 0.0;
+  std::vector<int> moving;
   for (int axis = 0; axis < 3; ++axis) {
     const auto still = [&](const Vec3& value) { return value[axis] == series.front()[axis]; };
-    if (std::all_of(series.begin(), series.end(), still)) continue;
-    for (std::size_t i = 3; i < series.size(); ++i) {
-      const Vec3 difference = series[i] - 3.0 * series[i - 1] + 3.0 * series[i - 2] - series[i - 3];
-      magnitudes.push_back(std::abs(difference[axis]));
-    }
+    if (!std::all_of(series.begin(), series.end(), still)) moving.push_back(axis);
+  }
+  double gain = 1.0;  // of the variance of white noise: binomial(2 order, order)
+  for (int k = 1; k <= order; ++k) {
+    gain *= (4.0 * k - 2.0) / k;
+    if (series.size() <= lag) return 0.0;
+    for (std::size_t i = 0; i + lag < series.size(); ++i) series[i] = series[i + lag] - series[i];
+    series.resize(series.size() - lag);
+  }
+  std::vector<double> magnitudes;
+  for (const int axis : moving) {
+    for (const Vec3& difference : series) magnitudes.push_back(std::abs(difference[axis]));
   }
   if (magnitudes.empty()) return 0.0;
-  return stats::normal_sigma_per_median * stats::upper_median(std::move(magnitudes)) / std::sqrt(20.0);
+  return stats::normal_sigma_per_median * stats::upper_median(std::move(magnitudes)) / std::sqrt(gain);
 }
 
 // The impulse response of a two-pole Butterworth filter run forwards and backwards, 1 / (1 + (f / cutoff)^4): the
@@ -87,8 +95,8 @@ std::string instrument_to_json(const InstrumentDescription& instrument) {
 InstrumentDescription estimate_instrument(const recording::Recording& recording) {
   InstrumentDescription instrument;
   instrument.declared = false;
-  instrument.force_noise_N = noise_of(recording.f_W_N);
-  instrument.position_noise_m = noise_of(recording.motion.p_W_m);
+  instrument.force_noise_N = noise_of(recording.f_W_N, 3, 1);
+  instrument.position_noise_m = noise_of(recording.motion.p_W_m, 3, 1);
   if (recording.size() > 1) {
     const double span_s = recording.motion.t_s.back() - recording.motion.t_s.front();
     instrument.position_rate_Hz = static_cast<double>(recording.size() - 1) / span_s;
@@ -96,17 +104,50 @@ InstrumentDescription estimate_instrument(const recording::Recording& recording)
   return instrument;
 }
 
+// Noise of white samples of unit deviation at `rate`, low-passed at c with the gain 1 / (1 + (f / c)^4), has
+// differences of order k over a time L whose variance is the integral over all f of gain^2 (2 sin(pi f L))^(2 k) /
+// rate.
+double measured_low_pass(const MotionColumns& motion, const InstrumentDescription& instrument) {
+  constexpr int order = 5;
+  constexpr double least = 0.15, most = 0.5;  // beyond, samples of the tracker are white
+  const double rate_Hz = instrument.position_rate_Hz;
+  if (motion.size() < 2 || !(instrument.position_noise_m > 0.0)) return instrument.position_low_pass;
+  const double step_s = (motion.t_s.back() - motion.t_s.front()) / static_cast<double>(motion.size() - 1);
+  const auto lag = std::max(1L, std::lround(1.0 / (rate_Hz * step_s)));
+  const double seen = noise_of(motion.p_W_m, order, static_cast<std::size_t>(lag)) / instrument.position_noise_m;
+  const auto of_corner = [&](double share) {  // as noise_of() has it, by the trapezoidal rule
+    constexpr int steps = 400;
+    constexpr double white = 252.0;  // binomial(10, 5)
+    const double end_Hz = 6.0 * share * rate_Hz;
+    double sum = 0.0;
+    for (int i = 1; i < steps; ++i) {
+      const double f_Hz = end_Hz * i / steps;
+      const double gain = 1.0 / (1.0 + std::pow(f_Hz / (share * rate_Hz), 4));
+      const double swing = 2.0 * std::sin(std::numbers::pi * f_Hz * static_cast<double>(lag) * step_s);
+      sum += gain * gain * std::pow(swing, 2 * order);
+    }
+    return std::sqrt(2.0 * sum * end_Hz / (steps * rate_Hz * white));
+  };
+  double low = least, high = most;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    (of_corner(middle) < seen ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentDescription& instrument,
                                   Random& random) {
   MotionColumns noisy = motion;
   if (motion.size() == 0 || instrument.position_noise_m == 0.0) return noisy;
-  constexpr std::ptrdiff_t reach = 6;  // tracker samples: the response has fallen below 1e-3 of its peak
+  // Tracker samples: the response has fallen below 1e-3 of its peak.
+  const auto reach = static_cast<std::ptrdiff_t>(std::ceil(1.5 / instrument.position_low_pass));
   const double period_s = 1.0 / instrument.position_rate_Hz;
   const double start_s = motion.t_s.front() - static_cast<double>(reach + 1) * period_s;
   const auto count = static_cast<std::size_t>((motion.t_s.back() - start_s) / period_s) + reach + 3;
   std::vector<Vec3> draws(count);
   for (Vec3& draw : draws) draw = instrument.position_noise_m * Vec3(random.normal(), random.normal(), random.normal());
-  const double cutoff_Hz = 0.25 * instrument.position_rate_Hz;
+  const double cutoff_Hz = instrument.position_low_pass * instrument.position_rate_Hz;
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const double place = (motion.t_s[i] - start_s) / period_s;
     const auto nearest = static_cast<std::ptrdiff_t>(std::lround(place));

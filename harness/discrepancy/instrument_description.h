@@ -17,11 +17,12 @@ struct InstrumentDescription {
   double position_noise_m = 0.0;             // standard deviation per axis of one tracker sample
   double position_wander_m = 0.0;            // the part of it that changes slowly, as calibration residuals do
   double position_wander_time_constant_s = 4.0;
-  double position_rate_Hz = 60.0;  // of the tracker
-  double geometry_error_m = 0.0;   // the mesh is off by at most this
-  double normal_error_rad = 0.0;   // angle between facets and the smooth surface; from the mesh, not the file
-  double mesh_extent_m = 0.0;      // diagonal of its box; from the mesh, not the file
-  bool declared = true;            // false: estimated from the recording
+  double position_rate_Hz = 60.0;   // of the tracker
+  double geometry_error_m = 0.0;    // the mesh is off by at most this
+  double position_low_pass = 0.25;  // corner over the rate; from the recording, not the file
+  double normal_error_rad = 0.0;    // angle between facets and the smooth surface; from the mesh, not the file
+  double mesh_extent_m = 0.0;       // diagonal of its box; from the mesh, not the file
+  bool declared = true;             // false: estimated from the recording
 };
 
 // Throws BadData with the place in the file.
@@ -34,7 +35,12 @@ std::string instrument_to_json(const InstrumentDescription& instrument);
 // the residual of the position after a local quadratic fit. Both are lower bounds in motion; reports say "estimated".
 InstrumentDescription estimate_instrument(const recording::Recording& recording);
 
-// The motion with one draw of tracker noise added: white at the tracker's rate, low-passed at a quarter of that rate
+// Where the tracker ends, as position_low_pass has it: there noise of the declared size has the fifth differences of
+// the recorded positions, over one period of the tracker, in which a hand's motion hardly shows (difference-based
+// variance: Gasser, Sroka and Jennen-Steinmetz 1986, Biometrika 73:625).
+double measured_low_pass(const MotionColumns& motion, const InstrumentDescription& instrument);
+
+// The motion with one draw of tracker noise added: white at the tracker's rate, low-passed at a share of that rate
 // without delay (second-order Butterworth, forwards and backwards) and interpolated, as optical trackers deliver it.
 MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random);
 

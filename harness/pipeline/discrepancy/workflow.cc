@@ -71,6 +71,7 @@ InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recordi
   }
   instrument.normal_error_rad = median_facet_angle_rad(mesh, touched);
   instrument.mesh_extent_m = mesh.bounds().diagonal().norm();
+  if (instrument.declared) instrument.position_low_pass = measured_low_pass(train.motion, instrument);
   return instrument;
 }
 
