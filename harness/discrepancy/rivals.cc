@@ -126,11 +126,11 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   const bool close = lost < settings.alike_errors * rival.error || lost < settings.minimum_gain / 3.0;
   const EffectLibrary library = state.library();
   rival.contains_found = library.contains(other.name, found.name);
-  const bool related = rival.contains_found || library.contains(found.name, other.name);
+  rival.special_case = library.contains(found.name, other.name);
   rival.of_settled_kind = (decided.laws.contains(found.name) && library.of_one_kind(found.name, other.name)) ||
                           decided.places.contains({found.name, other.name});
   if (rival.of_settled_kind) return rival;
-  if (lost < settings.rival_gain * found.validation_gain && !related) {
+  if (lost < settings.rival_gain * found.validation_gain && !rival.contains_found && !rival.special_case) {
     // Many units of chi-squared from a few runs have a large error and tell all the same.
     const double more_N =
         std::sqrt(std::max(0.0, rival.validation_rms_N * rival.validation_rms_N - incumbent.here_N * incumbent.here_N));
@@ -172,12 +172,14 @@ bool simpler_and_alike(const SearchState& state, const FoundEffect& found, const
   return 2 * count(rival.name) < count(found.name);
 }
 
+bool gains_clearly(const SearchSettings& settings, double gain, double error) {
+  return gain >= std::max(settings.minimum_gain, settings.alike_errors * error);
+}
+
 // By the found model's weights, or by the likelihood: those weights count what the found model lacks as noise, so that
 // the residual of a few blocks hides all others, where the rival leaves little.
 bool clearly_better(const SearchSettings& settings, const Rival& rival) {
-  const auto clear = [&](double gain, double error) {
-    return gain >= std::max(settings.minimum_gain, settings.alike_errors * error);
-  };
+  const auto clear = [&](double gain, double error) { return gains_clearly(settings, gain, error); };
   return clear(-rival.validation_gain_lost, rival.error) || clear(rival.log_likelihood_gain, rival.likelier_error);
 }
 
@@ -219,7 +221,8 @@ Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, 
   for (const FoundEffect& effect : found) {
     for (const Rival& rival : effect.rivals) {
       if (put_away.contains(rival.name) || rival.of_settled_kind) continue;
-      if (simpler_and_alike(state, effect, rival)) return {&effect, &rival};
+      const bool needless = rival.special_case && !gains_clearly(*state.settings, rival.validation_gain_lost, rival.error);
+      if (needless || simpler_and_alike(state, effect, rival)) return {&effect, &rival};
       // A law with more parameters gains a little always: whether it acts is asked elsewhere (nested_law.h).
       if (rival.contains_found || within_mesh_error(state, rival.model, rival.name)) continue;
       if (!clearly_better(*state.settings, rival)) {

@@ -26,6 +26,7 @@ struct Rival {
   double likelier_error = 0.0;
   bool indistinguishable = false;
   bool contains_found = false;   // the found one is a special case of it
+  bool special_case = false;     // it is one of the found one
   bool of_settled_kind = false;  // weighed against the found one by likelihood or by force alone: no place to take
 };
 
@@ -56,8 +57,10 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const WarmStart&
                                       const std::function<void(const std::string&)>& report);
 
 // The rival that does best of those that clearly do better in the place of a found effect, also along the likely
-// motion, and the effect that it beats; or one that does as well with far fewer parameters, or does as well at the
-// noisy positions and is more likely on the smoothed trajectory, or nullptr. `put_away`: those that do not return.
+// motion, and the effect that it beats; or one that does as well with far fewer parameters, or a special case of the
+// effect that does not clearly worse (whether the larger law takes its place is asked after that: nested_law.h), or one
+// that does as well at the noisy positions and is more likely on the smoothed trajectory, or nullptr. `put_away`: those
+// that do not return.
 struct Swap {
   const FoundEffect* loser = nullptr;
   const Rival* winner = nullptr;
