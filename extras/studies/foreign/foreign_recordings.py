@@ -35,6 +35,7 @@ ONE = ('coulomb-friction', 'stribeck-friction', 'sublinear-friction', 'stress-re
 TWO = (('coulomb-friction', 'stress-relaxation'), ('force-crosstalk', 'normal-damping'), ('time-lag', 'coulomb-friction'),
        ('force-bias', 'hunt-crossley'), ('gain-drift', 'coulomb-friction'), ('two-materials', 'force-crosstalk'),
        ('viscous-friction', 'stress-relaxation'), ('power-law-stiffness', 'force-drift'))
+HELD = ('stress-relaxation', 'force-drift')  # of one press that is held to the end, over which they are much the same
 UNKNOWN = ('plastic', 'hum', 'second-layer', 'suction', 'grain')
 STUDENT_9 = {50: .7027, 68: 1.0526, 80: 1.3830, 90: 1.8331, 95: 2.2622, 99: 3.2498}  # two-sided quantiles, 9 degrees of freedom
 LIMITS = {'one named first': .9, 'nothing missing: not named': .95, 'unknown: flagged': .95, 'intervals that cover': .93}
@@ -121,12 +122,15 @@ def relaxed(step, gain, x):
 
 
 class Case:
-    def __init__(self, seed, only=None):
-        self.rng = r = np.random.default_rng([seed, 20260350])
+    def __init__(self, seed, only=None, held=False):
+        self.rng, self.held = np.random.default_rng([seed, 20260350]), held
+        r = self.rng
         u, turn = r.uniform, seed % 60
         self.set = 'one' if turn < 27 else 'two' if turn < 39 else 'none' if turn < 51 else 'unknown'
         self.hidden = {'one': (ONE[turn % len(ONE)],), 'two': TWO[turn % len(TWO)], 'none': (),
                        'unknown': (UNKNOWN[turn % len(UNKNOWN)],)}[self.set]
+        if held:
+            self.set, self.hidden = 'held', (HELD[turn % len(HELD)],)
         if only:
             self.set, self.hidden = ('unknown' if only in UNKNOWN else 'one'), (only,)
         self.stiffness = np.exp(u(np.log(300), np.log(1800)))
@@ -170,14 +174,20 @@ class Case:
         }
         for name in self.hidden:
             self.truth[name] = size[name]()
+        self.seconds = (17, 22), (14, 18)
+        if held:
+            self.seconds = ((4, 6),) * 2
+            self.truth = {HELD[0]: {'ratio': u(.25, .8), 'time_constant_s': u(3, 12)},
+                          HELD[1]: {'fx_N_per_s': 0., 'fy_N_per_s': 0., 'fz_N_per_s': F * u(-.06, -.02)}}
+            self.truth = {name: self.truth[name] for name in self.hidden}
 
     def path(self, seconds, pace, load):
         """Foot (x, y) and depth, by strokes of least jerk."""
         u, t = self.rng.uniform, np.arange(0, seconds, STEP)
         out = np.zeros((3, len(t)))
-        here, at = np.array([*u(-.5, .5, 2) * self.size, -1.5 * self.depth]), .3
+        here, at = np.array([*u(-.5, .5, 2) * self.size, (-.02 if self.held else -1.5) * self.depth]), .3
         out[:] = here[:, None]
-        kinds = ['press', 'slide', 'slide', 'tap', 'hold', 'slide']
+        kinds = ['press'] if self.held else ['press', 'slide', 'slide', 'tap', 'hold', 'slide']
         while at < seconds:
             kind = kinds[self.rng.integers(len(kinds))]
             there, time_s = here.copy(), pace * u(.35, 1.0)
@@ -189,7 +199,7 @@ class Case:
                 there[2], time_s = -u(.3, 1.5) * self.depth, pace * u(.2, .5)
             step = least_jerk((t - at) / time_s)
             out += (there - here)[:, None] * step
-            here, at = there, at + time_s * u(.9, 1.15)
+            here, at = there, seconds if self.held else at + time_s * u(.9, 1.15)
         band = np.fft.rfftfreq(len(t), STEP)
         for k, size in enumerate((6e-5, 6e-5, .015 * self.depth)):
             shake = np.fft.irfft(np.fft.rfft(self.rng.normal(size=len(t))) * np.exp(-.5 * (band - 10)**2), len(t))
@@ -305,8 +315,8 @@ class Case:
         if 'registration' in self.truth:  # measured = true + d: the mesh stands d before what was touched
             off = -np.array(list(self.truth['registration'].values()))
         error = self.surface.write(os.path.join(folder, 'mesh.obj'), off)
-        self.record(os.path.join(folder, 'train.csv'), self.rng.uniform(17, 22), 1., 1.)
-        self.record(os.path.join(folder, 'holdout.csv'), self.rng.uniform(14, 18), self.rng.uniform(.8, 1.3), self.rng.uniform(.75, .95))
+        self.record(os.path.join(folder, 'train.csv'), self.rng.uniform(*self.seconds[0]), 1., 1.)
+        self.record(os.path.join(folder, 'holdout.csv'), self.rng.uniform(*self.seconds[1]), self.rng.uniform(.8, 1.3), self.rng.uniform(.75, .95))
         save = lambda name, value: json.dump(value, open(os.path.join(folder, name), 'w'), indent=1)
         save('model.json', {'schema': 'touchstone-model/1', 'renderer': 'god-object',
                             'parameters': {'stiffness_N_per_m': round(self.stiffness * self.rng.uniform(.9, 1.1), 2)}, 'effects': [], 'instrument': []})
@@ -376,10 +386,11 @@ def main():
         arguments.add_argument(name, type=kind)
     for name, kind, default in (('--keep', str, None), ('--only', str, None), ('--limit', float, 60.), ('--search-seed', int, 1)):
         arguments.add_argument(name, type=kind, default=default)
+    arguments.add_argument('--held', action='store_true')
     asked = arguments.parse_args()
 
     def one(seed):
-        case = Case(seed, asked.only)
+        case = Case(seed, asked.only, asked.held)
         with tempfile.TemporaryDirectory() as folder:
             folder = folder if not asked.keep else os.path.join(asked.keep, str(seed))
             os.makedirs(folder, exist_ok=True)
