@@ -416,6 +416,8 @@ class Search {
     // covariance.
     result_.draws = bootstrap_fits(data_.learning, weights, result_.fit, without_coefficients(result_.parameters),
                                    settings_.iterations / 2, read_);
+    result_.noisier = noisier_fits(data_.learning, weights, result_.fit, without_coefficients(result_.parameters),
+                                   settings_.iterations / 2);
     result_.intervals_cut_short =
         result_.draws.size() < fewest_draws && !state_.budget->allows("simulated recordings for the intervals");
   }

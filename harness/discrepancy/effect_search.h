@@ -38,6 +38,7 @@ struct SearchResult {
   rendering::Model model;                 // with the effects found
   JointFit fit;                           // of `model`, with covariance
   std::vector<NullFit> draws;             // `model` fitted again to simulated null recordings
+  std::vector<rendering::Model> noisier;  // and at noisier positions
   bool intervals_cut_short = false;       // by the time limit: too few draws for intervals
   std::vector<NullFit> readings;          // with what the forces alone tell of friction, read again from drawn samples
   std::vector<FreeParameter> parameters;  // free in `fit`

@@ -54,7 +54,8 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
   for (const rendering::ParameterDeclaration& declared : candidate.parameters) {
     const auto value = entry->parameters.find(declared.name);
     if (value == entry->parameters.end()) continue;
-    Interval interval = interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name, excess);
+    Interval interval =
+        interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name, excess, search.noisier);
     for (const NullFit& reading : search.readings) {
       const NamedParameters* const as_read = find_entry(reading.model, candidate.name);
       if (as_read == nullptr || !is_of_falling(declared.name)) continue;

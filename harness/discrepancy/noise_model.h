@@ -40,6 +40,11 @@ class NoiseModel {
   [[nodiscard]] std::vector<Vec3> simulated_noise_residual(const rendering::Model& model,
                                                            const rendering::Prediction& nominal, std::size_t index);
 
+  // At the recorded positions with draw number `index` (< replica_count) of the tracker's noise added once more.
+  [[nodiscard]] rendering::Predictor& noisier_predictor(std::size_t index) const {
+    return *replicas_.at(index).predictor;
+  }
+
   // The mean square of the 3-D force error that noise would leave at each sample if `model` were the truth [N^2].
   [[nodiscard]] std::vector<double> expected_squares(const rendering::Model& model,
                                                      const rendering::Prediction& nominal);

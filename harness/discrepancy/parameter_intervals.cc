@@ -8,6 +8,7 @@
 #include "harness/base/in_parallel.h"
 #include "harness/discrepancy/nearby_fits.h"
 #include "harness/stats/distributions.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -39,17 +40,14 @@ double fitted_variance(const JointFit& fit, const std::vector<FreeParameter>& pa
   return gradient.dot(fit.covariance * gradient);
 }
 
-// How far the truth may lie from a fitted value on the side from which fits are drawn away. Noise in the positions
-// weakens a coefficient by a share of itself, so that the truth is beyond by more than a world shows whose truth is the
-// weakened value: a mass whose acceleration drowns in noise comes out at a fifth, and in its simulated recordings at a
-// twenty-fifth.
-double bias_of_truth(double here, double bias, const Scale& scale) {
+// What the value would be at positions without noise, from what it is and what it is with `more` of the noise's
+// variance, of which the recording has `excess`.
+double without_noise(double here, double noisier, double excess, const Scale& scale) {
   constexpr double weakest = 0.05;  // share left: beyond, nothing is known of the size
-  const double size = std::abs(bias);
-  const bool weakens = bias * here < 0.0;
-  if (scale.logarithmic || !weakens || size >= std::abs(here)) return size;
-  const double left = std::max(weakest, 1.0 - size / std::abs(here));
-  return std::abs(here) * (1.0 / left - 1.0);
+  const double change = excess * (noisier - here);
+  if (scale.logarithmic || !(change * here < 0.0)) return here - change;
+  if (!(noisier * here > 0.0)) return here / weakest;
+  return here / std::clamp(1.0 - excess * (here / noisier - 1.0), weakest, 1.0);
 }
 
 }  // namespace
@@ -79,6 +77,26 @@ std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, 
   return usable;
 }
 
+std::vector<rendering::Model> noisier_fits(const Evidence& train, const FitData& data, const JointFit& fit,
+                                           const std::vector<FreeParameter>& parameters, int iterations) {
+  std::vector<std::optional<rendering::Model>> fits(NoiseModel::replica_count);
+  const auto at_replica = [&](std::size_t replica) {
+    if (data.budget != nullptr && !data.budget->allows("what noise in the positions does to the values")) return;
+    FitData again = data;
+    again.predictor = &train.noise->noisier_predictor(replica);
+    const NearbyFits nearby(again, fit.model, parameters);
+    JointFit refitted = nearby.usable() ? nearby.fit(again.measured_N, fit.model, iterations)
+                                        : fit_jointly(again, fit.model, parameters, iterations, false);
+    if (refitted.ok && !time_is_up(data)) fits[replica] = std::move(refitted.model);
+  };
+  in_parallel(fits.size(), at_replica, 1);
+  std::vector<rendering::Model> usable;
+  for (auto& one : fits) {
+    if (one) usable.push_back(std::move(*one));
+  }
+  return usable;
+}
+
 double excess_over(const std::vector<NullFit>& draws, const JointFit& fit) {
   double mean = 0.0;
   for (const NullFit& draw : draws) mean += draw.chi_squared / static_cast<double>(draws.size());
@@ -87,38 +105,34 @@ double excess_over(const std::vector<NullFit>& draws, const JointFit& fit) {
 
 Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
                     const std::vector<NullFit>& draws, const std::string& effect, const std::string& name,
-                    double excess) {
+                    double excess, const std::vector<rendering::Model>& noisier) {
   const auto free = std::find_if(parameters.begin(), parameters.end(),
                                  [&](const FreeParameter& p) { return p.owner == effect && p.name == name; });
-  const double value = find_entry(fit.model, effect)->parameters.at(name);
-  const auto positive = [&](const NullFit& draw) { return find_entry(draw.model, effect)->parameters.at(name) > 0.0; };
+  const auto value_in = [&](const rendering::Model& model) { return find_entry(model, effect)->parameters.at(name); };
+  const double value = value_in(fit.model);
   // What nothing free moves was read (see ReadValues), or has no width.
   const bool read = free == parameters.end() && !(fitted_variance(fit, parameters, effect, name, {false}) > 0.0);
-  const Scale scale{read ? value > 0.0 && std::all_of(draws.begin(), draws.end(), positive)
+  const Scale scale{read ? value > 0.0 &&
+                               std::ranges::all_of(draws, [&](const auto& d) { return value_in(d.model) > 0; })
                          : free != parameters.end() && free->logarithmic};
   const double here = scale.to(value);
   double variance = fitted_variance(fit, parameters, effect, name, scale);
-  double bias = 0.0;
   double quantile = normal_quantile;
   if (draws.size() >= fewest_draws) {
     const double n = static_cast<double>(draws.size());
-    for (const NullFit& draw : draws)
-      bias += (scale.to(find_entry(draw.model, effect)->parameters.at(name)) - here) / n;
-    double squares = 0.0;
-    for (const NullFit& draw : draws) {
-      const double off = scale.to(find_entry(draw.model, effect)->parameters.at(name)) - here - bias;
-      squares += off * off;
-    }
-    bias *= excess;
+    std::vector<double> fitted;
+    for (const NullFit& draw : draws) fitted.push_back(scale.to(value_in(draw.model)));
+    const double deviation = stats::standard_deviation(fitted);
     quantile = stats::student_t_975(n - 1.0);
-    // The mean of a few simulated recordings is itself uncertain.
-    variance = std::max(variance, excess * squares / (n - 1.0)) * (1.0 + 1.0 / n);
+    variance = std::max(variance, excess * deviation * deviation * n / (n - 1.0)) * (1.0 + 1.0 / n);
   }
+  std::vector<double> at_noisier;
+  for (const rendering::Model& one : noisier) at_noisier.push_back(scale.to(value_in(one)));
+  const double there = noisier.empty() ? here : without_noise(here, stats::mean(at_noisier), excess, scale);
   const double half = quantile * std::sqrt(variance);
-  const double back = bias_of_truth(here, bias, scale);
-  const double below = bias > 0.0 ? back : std::abs(bias);
-  const double above = bias < 0.0 ? back : std::abs(bias);
-  return {scale.from(here - half - below), scale.from(here + half + above)};
+  // What noise weakens by a share, it weakens the error of by the same.
+  const double beyond = scale.logarithmic || here == 0.0 ? half : half * std::max(1.0, there / here);
+  return {scale.from(std::min(here - half, there - beyond)), scale.from(std::max(here + half, there + beyond))};
 }
 
 double least_size95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
