@@ -37,7 +37,8 @@ InstrumentDescription estimate_instrument(const recording::Recording& recording)
 
 // Where the tracker ends, as position_low_pass has it: there noise of the declared size has the fifth differences of
 // the recorded positions, over one period of the tracker, in which a hand's motion hardly shows (difference-based
-// variance: Gasser, Sroka and Jennen-Steinmetz 1986, Biometrika 73:625).
+// variance: Gasser, Sroka and Jennen-Steinmetz 1986, Biometrika 73:625). Within a tenth where the declared size is
+// right.
 double measured_low_pass(const MotionColumns& motion, const InstrumentDescription& instrument);
 
 // The motion with one draw of tracker noise added: white at the tracker's rate, low-passed at a share of that rate
