@@ -221,7 +221,9 @@ Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, 
   for (const FoundEffect& effect : found) {
     for (const Rival& rival : effect.rivals) {
       if (put_away.contains(rival.name) || rival.of_settled_kind) continue;
-      const bool needless = rival.special_case && !gains_clearly(*state.settings, rival.validation_gain_lost, rival.error);
+      // A larger law that came back after it was put away has shown that it is needed.
+      const bool needless = rival.special_case && !put_away.contains(effect.name) &&
+                            !gains_clearly(*state.settings, rival.validation_gain_lost, rival.error);
       if (needless || simpler_and_alike(state, effect, rival)) return {&effect, &rival};
       // A law with more parameters gains a little always: whether it acts is asked elsewhere (nested_law.h).
       if (rival.contains_found || within_mesh_error(state, rival.model, rival.name)) continue;
