@@ -120,14 +120,14 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
   double quantile = normal_quantile;
   if (draws.size() >= fewest_draws) {
     const double n = static_cast<double>(draws.size());
-    std::vector<double> fitted;
-    for (const NullFit& draw : draws) fitted.push_back(scale.to(value_in(draw.model)));
+    std::vector<double> fitted(draws.size());
+    std::ranges::transform(draws, fitted.begin(), [&](const NullFit& draw) { return scale.to(value_in(draw.model)); });
     const double deviation = stats::standard_deviation(fitted);
     quantile = stats::student_t_975(n - 1.0);
     variance = std::max(variance, excess * deviation * deviation * n / (n - 1.0)) * (1.0 + 1.0 / n);
   }
-  std::vector<double> at_noisier;
-  for (const rendering::Model& one : noisier) at_noisier.push_back(scale.to(value_in(one)));
+  std::vector<double> at_noisier(noisier.size());
+  std::ranges::transform(noisier, at_noisier.begin(), [&](const auto& model) { return scale.to(value_in(model)); });
   const double there = noisier.empty() ? here : without_noise(here, stats::mean(at_noisier), excess, scale);
   const double half = quantile * std::sqrt(variance);
   // What noise weakens by a share, it weakens the error of by the same.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Recordings with a hidden cause from a simulator that shares no code with the project, and what the search makes of them.
 
-    foreign_recordings.py TOUCHSTONE SEED COUNT [--keep FOLDER] [--only KIND] [--limit SECONDS] [--search-seed N]
+    foreign_recordings.py TOUCHSTONE SEED COUNT [--keep FOLDER] [--only KIND] [--held] [--limit SECONDS] [--search-seed N]
 
 Prints a line for each recording and a table: named, called consistent, flagged, 95 % intervals that cover, seconds.
 Exit status 0; 1 if a share of LIMITS is not met beyond chance (binomial, 1 %); 77: numpy is missing.
@@ -366,6 +366,9 @@ def table(rows):
     say('unknown: flagged', [r['verdict'] in ('unexplained', 'not-identifiable') for c, r in of('unknown')])
     say('right names alone, yet called unexplained', [r['verdict'] == 'unexplained' for c, r in rows
                                                       if c.hidden and c.set != 'unknown' and set(r['names']) == set(c.hidden)])
+    alias = lambda c, r: named(c, r) or any(set(c.hidden) <= set(group) for group in r['groups'])
+    say('held: right, or cannot tell with it', [alias(c, r) and (named(c, r) or r['verdict'] == 'not-identifiable') for c, r in of('held')])
+    say('held: explained by another', [r['verdict'] == 'explained' and not named(c, r) for c, r in of('held')])
     covers = [one for c, r in rows for one in r['covers']]
     say('intervals that cover', [one[1] for one in covers])
     for family in sorted({one[0] for one in covers}):
